@@ -1,0 +1,54 @@
+"""Simulate tissues of hollow, hyperelastic cells that press, slide and part: the table of contents."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ngcell.run import inspect, record, simulate
+    from ngcell.scene import (
+        Case,
+        Expected,
+        Frame,
+        MeshChoice,
+        MooneyRivlin,
+        Penalty,
+        Plates,
+        Sddp,
+        SingleStep,
+        Tissue,
+        read_case,
+    )
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "Case",
+    "Expected",
+    "Frame",
+    "MeshChoice",
+    "MooneyRivlin",
+    "Penalty",
+    "Plates",
+    "Sddp",
+    "SingleStep",
+    "Tissue",
+    "inspect",
+    "read_case",
+    "record",
+    "simulate",
+]
+
+_FROM_RUN = {"inspect", "record", "simulate"}
+
+
+def __getattr__(name: str) -> Any:
+    # Loaded on first use: `import ngcell` and `ngcell --help` stay free of NGSolve's seconds.
+    if name not in __all__:
+        raise AttributeError(f"module 'ngcell' has no attribute {name!r}")
+    return getattr(import_module("ngcell.run" if name in _FROM_RUN else "ngcell.scene"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

@@ -1,0 +1,16 @@
+"""`ngcell cases`: the cases that come with ngcell."""
+
+from __future__ import annotations
+
+import click
+
+
+@click.command()
+def cases() -> None:
+    """List the cases that come with ngcell; `solve` and `check` take their names."""
+    from ngcell.scene import read_case, shipped_cases
+
+    files = shipped_cases()
+    width = max(map(len, files), default=0)
+    for name, file in files.items():
+        click.echo(f"{name:{width}}  {read_case(file).title}")

@@ -1,0 +1,48 @@
+"""Progress of a run on stderr: on a terminal a live line for the step at work, elsewhere plain lines."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from ngcell.results.record import StepRecord
+
+ShowStep = Callable[["StepRecord"], None]
+
+
+@contextmanager
+def silent_progress() -> Iterator[ShowStep]:
+    """Show nothing."""
+    yield lambda record: None
+
+
+@contextmanager
+def step_progress() -> Iterator[ShowStep]:
+    """Show each accepted step as a line and, on a terminal, a live line for the step at work below them."""
+    from rich.console import Console
+
+    console = Console(stderr=True, highlight=False)
+    if not console.is_terminal:
+        yield lambda record: click.echo(step_line(record), err=True)
+        return
+    with console.status("building the tissue") as status:
+
+        def show(record: StepRecord) -> None:
+            console.print(step_line(record), markup=False, soft_wrap=True)
+            status.update(f"solving beyond load {record.load_factor:.4f} (Ctrl-C stops and keeps the steps)")
+
+        yield show
+
+
+def step_line(record: StepRecord) -> str:
+    """Return an accepted step in one line."""
+    return (
+        f"step {record.step:3d}  {record.phase:7s}  load {record.load_factor:6.4f}  "
+        f"largest gap {record.largest_gap:10.3e}  parted {record.parted_pairs:4d}  "
+        f"iterations {record.iterations:3d}  {record.seconds:6.1f} s"
+        f"{'' if record.certified else '  not certified'}"
+    )

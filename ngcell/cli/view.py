@@ -1,0 +1,23 @@
+"""`ngcell view DIR`: look at what a run left."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+
+@click.command()
+@click.argument("folder", metavar="DIR", type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.option(
+    "--screenshot",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write a picture to this file instead of opening a window.",
+)
+def view(folder: Path, screenshot: Path | None) -> None:
+    """Show the deformed tissue that a run left in DIR."""
+    from ngcell.export import show
+
+    picture = show(folder, screenshot=screenshot)
+    if picture is not None:
+        click.echo(str(picture))

@@ -1,0 +1,24 @@
+"""The only room that writes files: tables, VTK series, pictures, the summary, and the folder that holds them.
+
+VTK, pyvista and matplotlib are imported inside the functions that need them, so that a run starts fast.
+"""
+
+from ngcell.export.curves import draw_curves
+from ngcell.export.folder import ResultFolder
+from ngcell.export.picture import draw_tissue
+from ngcell.export.series import SnapshotSeries, read_last_snapshot
+from ngcell.export.summary import read_summary, write_summary
+from ngcell.export.tables import RecordTable
+from ngcell.export.view import show
+
+__all__ = [
+    "RecordTable",
+    "ResultFolder",
+    "SnapshotSeries",
+    "draw_curves",
+    "draw_tissue",
+    "read_last_snapshot",
+    "read_summary",
+    "show",
+    "write_summary",
+]

@@ -1,0 +1,125 @@
+"""The gap curves of a run: how far the walls are apart, and how many pairs have parted, over the load."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ngcell.export.picture import DPI, INK, NOTE_INK, SOFT_INK, mark_uncertified, save_png, style_axes
+from ngcell.results.record import StepRecord
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_LARGEST, _MEAN, _PARTED, _REFUSED = "#b3361e", "#1f5f8b", "#4a7a3a", "#d21f1f"
+
+
+def draw_curves(
+    history: Sequence[StepRecord], path: Path, *, certified: bool, onset: float | None = None
+) -> Path:
+    """Draw largest and mean gap, and below them the number of parted wall pairs, against plate displacement.
+
+    Steps of the compact phase are left out if any other is there: tied walls have no gap. Under a load that
+    moves no plate the curves run over the load factor.
+
+    Parameters
+    ----------
+    history : sequence of StepRecord
+        The accepted steps, at least one.
+    path : Path
+        The PNG file.
+    certified : bool
+        Whether the result passed every check; if not, the picture says so, and rings mark the steps that
+        failed.
+    onset : float, optional
+        Where fast growth of the gap starts, on the horizontal axis.
+
+    Returns
+    -------
+    Path
+        `path`.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written.
+    """
+    rows = [row for row in history if row.phase == "contact"] or list(history)
+    load, name = _load(rows)
+    figure, gaps, parted = _canvas(name)
+    refused = np.array([not row.certified for row in rows])
+    for axes, column, colour in (
+        (gaps, "largest_gap", _LARGEST),
+        (gaps, "mean_gap", _MEAN),
+        (parted, "parted_pairs", _PARTED),
+    ):
+        values = np.array([getattr(row, column) for row in rows], dtype=float)
+        _draw(axes, load, values, label=column.replace("_", " "), colour=colour)
+        _ring(axes, load[refused], values[refused])
+    _scale(gaps, parted, load)
+    if onset is not None:
+        _mark_onset((gaps, parted), onset)
+    gaps.legend(loc="upper left", frameon=False, fontsize=10.5, labelcolor=INK)
+    if not certified:
+        mark_uncertified(figure)
+    return save_png(figure, path)
+
+
+def _load(rows: Sequence[StepRecord]) -> tuple[NDArray[Any], str]:
+    displacement = np.array([row.plate_displacement for row in rows])
+    if displacement.any():
+        return displacement, "plate displacement"
+    return np.array([row.load_factor for row in rows]), "load factor"
+
+
+def _canvas(load_name: str) -> tuple[Figure, Axes, Axes]:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(7.2, 5.8), dpi=DPI, facecolor="white")
+    gaps = figure.add_axes((0.115, 0.42, 0.855, 0.54))
+    parted = figure.add_axes((0.115, 0.105, 0.855, 0.25), sharex=gaps)
+    for axes, label in ((gaps, "gap"), (parted, "parted wall pairs")):
+        style_axes(axes)
+        axes.grid(color="#e6e8eb", linewidth=0.8)
+        axes.set_axisbelow(True)
+        axes.set_ylabel(label, fontsize=11.5, color=INK)
+        axes.yaxis.set_label_coords(-0.085, 0.5)
+    gaps.tick_params(labelbottom=False)
+    parted.set_xlabel(load_name, fontsize=11.5, color=INK)
+    return figure, gaps, parted
+
+
+def _draw(axes: Axes, load: NDArray[Any], values: NDArray[Any], *, label: str, colour: str) -> None:
+    marker = "o" if len(load) <= 40 else ""
+    axes.plot(load, values, color=colour, linewidth=1.9, marker=marker, markersize=4, label=label)
+
+
+def _ring(axes: Axes, load: NDArray[Any], values: NDArray[Any]) -> None:
+    axes.plot(load, values, "o", color=_REFUSED, fillstyle="none", markersize=9, markeredgewidth=1.3)
+
+
+def _scale(gaps: Axes, parted: Axes, load: NDArray[Any]) -> None:
+    from matplotlib.ticker import MaxNLocator
+
+    gaps.margins(x=0.02)
+    if load.min() >= 0:
+        gaps.set_xlim(left=-0.01 * (load.max() or 1.0))
+    for axes in (gaps, parted):
+        axes.margins(y=0.08)
+    parted.yaxis.set_major_locator(MaxNLocator(nbins=5, integer=True))
+    top = max(1.0, parted.get_ylim()[1])
+    parted.set_ylim(-0.1 * top, top)
+
+
+def _mark_onset(panels: Sequence[Axes], onset: float) -> None:
+    for axes in panels:
+        axes.axvline(onset, color=SOFT_INK, linewidth=1.2, linestyle=(0, (4, 3)), zorder=1)
+    panels[0].annotate(
+        f"fast growth from {onset:.3g}", (onset, 0.97), (6, 0), xycoords=("data", "axes fraction"),
+        textcoords="offset points", fontsize=10, color=NOTE_INK, va="top", rotation=90,
+    )  # fmt: skip

@@ -1,0 +1,191 @@
+"""The picture of the deformed tissue.
+
+Drawn by matplotlib's Agg canvas, which needs neither display nor GPU nor OpenGL library. Paper white shows
+only outside the tissue and in open gaps: lumens are tinted, so that a gap is not taken for one.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ngcell.export.atomic import replace_file
+from ngcell.export.outline import Loop, cell_loops, triangulate
+from ngcell.export.series import NOT_CERTIFIED
+from ngcell.results.snapshot import Grid, Snapshot
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.collections import TriMesh
+    from matplotlib.figure import Figure
+
+DPI = 150
+INK = "#222222"
+NOTE_INK = "#5a6068"
+SOFT_INK = "#8a8f98"
+_LUMEN = "#e4e9efc8"
+_REFERENCE = "#c3c8cf"
+_ALARM = "#d21f1f"
+_WIDTH, _LEFT, _RIGHT, _BOTTOM, _TOP = 8.6, 0.72, 1.25, 0.62, 0.78  # of the figure and its margins [inch]
+
+
+def draw_tissue(snapshot: Snapshot, path: Path, *, title: str, certified: bool) -> Path:
+    """Draw the deformed tissue coloured by X displacement, over a faint outline of its reference state.
+
+    Cells that nothing holds are outlined by dashes. An uncertified result is labelled across the picture.
+
+    Parameters
+    ----------
+    snapshot : Snapshot
+        A planar one.
+    path : Path
+        The PNG file.
+    title : str
+        Heading; may be empty.
+    certified : bool
+        Whether the result passed every check.
+
+    Returns
+    -------
+    Path
+        `path`.
+
+    Raises
+    ------
+    OutputError
+        If the cells are not planar or the file cannot be written.
+    """
+    bulk = snapshot.bulk
+    deformed = (bulk.points + bulk.point_data["displacement"])[:, :2]
+    loops = cell_loops(bulk)
+    figure, axes = _canvas(np.vstack([deformed, bulk.points[:, :2]]))
+    _draw_reference(axes, bulk, loops)
+    colours = _draw_bodies(axes, bulk, deformed, loops)
+    _add_colour_bar(figure, axes, colours)
+    _add_heading(axes, title, snapshot, free=_draw_outlines(axes, bulk, deformed, loops))
+    if not certified:
+        mark_uncertified(figure)
+    return save_png(figure, path)
+
+
+def save_png(figure: Figure, path: Path) -> Path:
+    """Render a figure without a display and write it as PNG in one move."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    image = io.BytesIO()
+    FigureCanvasAgg(figure).print_png(image)
+    replace_file(Path(path), image.getvalue())
+    return Path(path)
+
+
+def mark_uncertified(figure: Figure) -> None:
+    """Write NOT CERTIFIED across a figure."""
+    size = 5.5 * min(figure.get_figwidth(), 1.6 * figure.get_figheight())
+    figure.text(
+        0.48, 0.5, NOT_CERTIFIED, color=_ALARM, alpha=0.75, fontsize=size, fontweight="bold", rotation=24,
+        ha="center", va="center", zorder=10,
+        bbox={"boxstyle": "round,pad=0.25", "facecolor": "#ffffff66", "edgecolor": _ALARM, "linewidth": 2.5},
+    )  # fmt: skip
+
+
+def style_axes(axes: Axes) -> None:
+    """Quiet axes: two thin lines, small outward ticks."""
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.spines[["left", "bottom"]].set(color=SOFT_INK, linewidth=0.8)
+    axes.tick_params(colors=INK, labelsize=10, color=SOFT_INK, width=0.8)
+
+
+def _canvas(points: NDArray[Any]) -> tuple[Figure, Axes]:
+    """A figure whose axes have the proportions of what they show."""
+    from matplotlib.figure import Figure
+
+    low, high = _window(points)
+    width, height = (high - low) * (_WIDTH - _LEFT - _RIGHT) / (high - low).max()
+    size = (width + _LEFT + _RIGHT, height + _BOTTOM + _TOP)
+    figure = Figure(figsize=size, dpi=DPI, facecolor="white")
+    axes = figure.add_axes((_LEFT / size[0], _BOTTOM / size[1], width / size[0], height / size[1]))
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+    axes.set_xlabel("X", fontsize=11, color=INK)
+    axes.set_ylabel("Y", fontsize=11, color=INK, rotation=0, labelpad=10)
+    style_axes(axes)
+    return figure, axes
+
+
+def _window(points: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Lower and upper corner of what is shown: all points, a margin, and neither too flat nor too slim."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle, span = (low + high) / 2, 1.06 * (high - low)
+    span = np.maximum(span, [0.65 * span[1], 0.3 * span[0]])
+    return middle - span / 2, middle + span / 2
+
+
+def _draw_reference(axes: Axes, bulk: Grid, loops: Iterable[Loop]) -> None:
+    from matplotlib.collections import PolyCollection
+
+    lines = [bulk.points[loop.points, :2] for loop in loops if loop.outer]
+    axes.add_collection(
+        PolyCollection(lines, facecolors="none", edgecolors=_REFERENCE, linewidths=0.6, zorder=1),
+        autolim=False,
+    )
+
+
+def _draw_bodies(axes: Axes, bulk: Grid, deformed: NDArray[Any], loops: Iterable[Loop]) -> TriMesh:
+    from matplotlib.collections import PolyCollection
+    from matplotlib.tri import Triangulation
+
+    insides = [deformed[loop.points] for loop in loops if loop.outer]
+    axes.add_collection(PolyCollection(insides, facecolors=_LUMEN, linewidths=0, zorder=2), autolim=False)
+    x_displacement = np.asarray(bulk.point_data["displacement"])[:, 0]
+    low, high = float(x_displacement.min()), float(x_displacement.max())
+    if high - low <= 1e-12 * max(abs(low), abs(high)):
+        low, high = low - 0.5, high + 0.5
+    x, y = deformed.T
+    return axes.tripcolor(
+        Triangulation(x, y, triangulate(bulk)), x_displacement,
+        shading="gouraud", cmap="viridis", vmin=low, vmax=high, zorder=3,
+    )  # fmt: skip
+
+
+def _draw_outlines(axes: Axes, bulk: Grid, deformed: NDArray[Any], loops: Iterable[Loop]) -> int:
+    """Outline every cell; return how many of them nothing holds."""
+    from matplotlib.collections import PolyCollection
+
+    held = np.asarray(bulk.cell_data.get("free", np.zeros(len(bulk.cells)))) == 0
+    free = set(np.asarray(bulk.cell_data["cell_id"])[~held].tolist())
+    for dashed, style in ((False, "solid"), (True, (0, (2.2, 1.6)))):
+        lines = [deformed[loop.points] for loop in loops if (loop.cell_id in free) == dashed]
+        axes.add_collection(
+            PolyCollection(
+                lines, facecolors="none", edgecolors=INK, linewidths=0.6, linestyles=[style], zorder=4
+            ),
+            autolim=False,
+        )
+    return len(free)
+
+
+def _add_colour_bar(figure: Figure, axes: Axes, colours: TriMesh) -> None:
+    place = axes.get_position()
+    width = figure.get_figwidth()
+    bar_axes = figure.add_axes((place.x1 + 0.28 / width, place.y0, 0.16 / width, place.height))
+    bar = figure.colorbar(colours, cax=bar_axes)
+    bar.set_label("X displacement", fontsize=11, color=INK, labelpad=8)
+    bar.ax.tick_params(labelsize=10, colors=INK, color=SOFT_INK, width=0.8)
+    bar.outline.set(edgecolor=SOFT_INK, linewidth=0.8)
+
+
+def _add_heading(axes: Axes, title: str, snapshot: Snapshot, *, free: int) -> None:
+    facts = [
+        f"plate displacement {snapshot.plate_displacement:.4g}",
+        f"load factor {snapshot.load_factor:.4g}",
+    ]
+    if free:
+        facts.append(f"dashed: {free} {'cell' if free == 1 else 'cells'} held by nothing")
+    heading = partial(axes.annotate, xycoords="axes fraction", textcoords="offset points")
+    heading(title, (0, 1), (0, 26), fontsize=13, fontweight="bold", color=INK)
+    heading(" · ".join(facts), (0, 1), (0, 10), fontsize=10, color=NOTE_INK)

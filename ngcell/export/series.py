@@ -1,0 +1,211 @@
+"""A time series of snapshots that ParaView and pyvista open: `tissue.pvd` and its `.vtu` files.
+
+Only VTK's XML writer is loaded, not pyvista, because a third of the CPU time suffices to import it. The
+writer fills a string, and Python writes the file, so that a full disk shows as an error and never as half a
+file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ngcell.errors import OutputError
+from ngcell.export.atomic import replace_file
+from ngcell.results.snapshot import Grid, Snapshot
+
+if TYPE_CHECKING:
+    import pyvista
+    from vtkmodules.vtkCommonDataModel import vtkUnstructuredGrid
+
+CERTIFIED = "certified"
+NOT_CERTIFIED = "NOT CERTIFIED"
+VERDICT = "ngcell_verdict"
+
+
+@dataclass(frozen=True, slots=True)
+class _Entry:
+    number: int
+    step: int
+    load_factor: float
+    plate_displacement: float
+
+
+class SnapshotSeries:
+    """Snapshots in a folder: `<name>_0000.vtu` (bodies), `walls_0000.vtu` (walls) and `<name>.pvd` over both.
+
+    In the `.pvd` the bodies are part 0 and the walls are part 1. The time of a snapshot is its plate
+    displacement, or its load factor (at last its step) if plate displacements do not increase from snapshot
+    to snapshot. Each file says in the field data `ngcell_verdict` whether its step is certified.
+
+    Parameters
+    ----------
+    folder : Path
+        An existing folder.
+    name : str
+        Stem of the `.pvd` file.
+    """
+
+    def __init__(self, folder: Path, name: str = "tissue") -> None:
+        self.folder = Path(folder)
+        self.name = name
+        self._entries: list[_Entry] = []
+
+    def append(self, snapshot: Snapshot, *, certified: bool) -> None:
+        """Write the two files of a snapshot and then list them in the `.pvd`.
+
+        Raises
+        ------
+        OutputError
+            If a file cannot be written; the series is then as it was.
+        """
+        number = len(self._entries)
+        entry = _Entry(number, snapshot.step, snapshot.load_factor, snapshot.plate_displacement)
+        files = [self.folder / file for file in self._parts(entry)]
+        try:
+            for file, grid in zip(files, (snapshot.bulk, snapshot.walls), strict=True):
+                replace_file(file, _vtu(grid, _labels(snapshot, certified)))
+            replace_file(self.folder / f"{self.name}.pvd", self._pvd([*self._entries, entry]))
+        except OutputError:
+            for file in files:
+                with suppress(OSError):
+                    file.unlink()
+            raise
+        self._entries.append(entry)
+
+    def _parts(self, entry: _Entry) -> tuple[str, str]:
+        return f"{self.name}_{entry.number:04d}.vtu", f"walls_{entry.number:04d}.vtu"
+
+    def _pvd(self, entries: Sequence[_Entry]) -> bytes:
+        lines = [
+            f'    <DataSet timestep="{time!r}" group="" part="{part}" file="{file}"/>'
+            for entry, time in zip(entries, _times(entries), strict=True)
+            for part, file in enumerate(self._parts(entry))
+        ]
+        head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="1.0" byte_order="LittleEndian">'
+        return "\n".join([head, "  <Collection>", *lines, "  </Collection>", "</VTKFile>", ""]).encode()
+
+
+def read_last_snapshot(folder: Path, name: str = "tissue") -> tuple[Snapshot, bool]:
+    """Read the last snapshot of a series, and whether it is certified.
+
+    Raises
+    ------
+    OutputError
+        If the folder holds no such series, or it cannot be read.
+    """
+    path = Path(folder) / f"{name}.pvd"
+    if not path.is_file():
+        raise OutputError(f"{folder} holds no {path.name}: not a result, or no step was accepted")
+    import pyvista
+
+    try:
+        reader = pyvista.get_reader(path)
+        reader.set_active_time_value(reader.time_values[-1])
+        bulk, walls = reader.read()
+        labels = bulk.field_data
+        step, load_factor, displacement = (
+            labels[key][0] for key in ("step", "load_factor", "plate_displacement")
+        )
+        snapshot = Snapshot(int(step), float(load_factor), float(displacement), _grid(bulk), _grid(walls))
+        return snapshot, labels[VERDICT][0] == CERTIFIED
+    except (OSError, KeyError, IndexError, TypeError, ValueError) as error:
+        raise OutputError(f"cannot read the last snapshot of {path}: {error}") from error
+
+
+def _times(entries: Sequence[_Entry]) -> list[float]:
+    for times in (
+        [float(entry.plate_displacement) for entry in entries],
+        [float(entry.load_factor) for entry in entries],
+    ):
+        if all(later > earlier for earlier, later in zip(times, times[1:], strict=False)):
+            return times
+    return [float(entry.step) for entry in entries]
+
+
+def _labels(snapshot: Snapshot, certified: bool) -> dict[str, Any]:
+    return {
+        VERDICT: CERTIFIED if certified else NOT_CERTIFIED,
+        "step": np.array([snapshot.step], dtype=np.int64),
+        "load_factor": np.array([snapshot.load_factor], dtype=np.float64),
+        "plate_displacement": np.array([snapshot.plate_displacement], dtype=np.float64),
+    }
+
+
+def _vtu(grid: Grid, labels: Mapping[str, Any]) -> bytes:
+    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
+
+    writer = vtkXMLUnstructuredGridWriter()
+    writer.SetInputData(_vtk_grid(grid, labels))
+    writer.SetDataModeToAppended()
+    writer.EncodeAppendedDataOff()
+    writer.SetCompressorTypeToLZ4()
+    writer.SetWriteToOutputString(True)
+    writer.Write()
+    content = writer.GetOutputString()
+    # VTK's Python layer hands over str when the bytes happen to be valid UTF-8.
+    return content.encode() if isinstance(content, str) else content
+
+
+def _vtk_grid(grid: Grid, labels: Mapping[str, Any]) -> vtkUnstructuredGrid:
+    from vtkmodules.util.numpy_support import numpy_to_vtkIdTypeArray
+    from vtkmodules.vtkCommonCore import vtkPoints
+    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkUnstructuredGrid
+
+    points, cells, result = vtkPoints(), vtkCellArray(), vtkUnstructuredGrid()
+    points.SetData(_vtk_array("points", np.asarray(grid.points, dtype=np.float64)))
+    connectivity = np.array(grid.cells, dtype=np.int64).ravel()
+    cells.SetData(grid.cells.shape[1], numpy_to_vtkIdTypeArray(connectivity, deep=True))
+    result.SetPoints(points)
+    result.SetCells(grid.cell_type, cells)
+    for data, place in (
+        (grid.point_data, result.GetPointData()),
+        (grid.cell_data, result.GetCellData()),
+        (labels, result.GetFieldData()),
+    ):
+        for array in _vtk_arrays(data):
+            place.AddArray(array)
+    return result
+
+
+def _vtk_arrays(data: Mapping[str, Any]) -> Iterator[Any]:
+    for name, values in data.items():
+        yield _vtk_string(name, values) if isinstance(values, str) else _vtk_array(name, values)
+
+
+def _vtk_array(name: str, values: NDArray[Any]) -> Any:
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+
+    whole = np.asarray(values).dtype.kind in "bui"
+    array = numpy_to_vtk(np.ascontiguousarray(values, dtype=np.int64 if whole else np.float64), deep=True)
+    array.SetName(name)
+    return array
+
+
+def _vtk_string(name: str, text: str) -> Any:
+    from vtkmodules.vtkCommonCore import vtkStringArray
+
+    array = vtkStringArray()
+    array.SetName(name)
+    array.InsertNextValue(text)
+    return array
+
+
+def _grid(dataset: pyvista.UnstructuredGrid) -> Grid:
+    cells: list[Any] = list(dataset.cells_dict.items()) or [(0, np.empty((0, 0), dtype=np.int64))]
+    if len(cells) != 1:
+        raise ValueError(f"cells of {len(cells)} types where one is expected")
+    cell_type, connectivity = cells[0]
+    return Grid(
+        points=np.array(dataset.points, dtype=np.float64),
+        cells=np.array(connectivity),
+        cell_type=int(cell_type),
+        point_data={name: np.array(values) for name, values in dataset.point_data.items()},
+        cell_data={name: np.array(values) for name, values in dataset.cell_data.items()},
+    )

@@ -1,0 +1,69 @@
+"""A look at the last snapshot of a result: a window where there is a display, else a picture."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+from ngcell.export.picture import draw_tissue
+from ngcell.export.series import NOT_CERTIFIED, read_last_snapshot
+from ngcell.export.summary import SUMMARY, read_summary
+from ngcell.results.snapshot import Snapshot
+
+
+def show(folder: Path, screenshot: Path | None = None) -> Path | None:
+    """Show the deformed tissue of the last snapshot in `folder`.
+
+    Parameters
+    ----------
+    folder : Path
+        The result of a run, finished or not.
+    screenshot : Path, optional
+        PNG file to write instead of opening a window. Without a display, and none given, it is `tissue.png`
+        in `folder`.
+
+    Returns
+    -------
+    Path or None
+        The picture, or None after a window was closed.
+
+    Raises
+    ------
+    OutputError
+        If the folder holds no snapshot, or the picture cannot be written.
+    """
+    folder = Path(folder)
+    snapshot, certified = read_last_snapshot(folder)
+    summary = read_summary(folder) if (folder / SUMMARY).exists() else {}
+    certified = certified and summary.get("certified") is not False
+    title = str(summary.get("title") or folder.resolve().name)
+    if screenshot is None and _has_display():
+        _open_window(snapshot, title, certified)
+        return None
+    return draw_tissue(snapshot, Path(screenshot or folder / "tissue.png"), title=title, certified=certified)
+
+
+def _has_display() -> bool:
+    if sys.platform.startswith("linux"):
+        return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+    return True
+
+
+def _open_window(snapshot: Snapshot, title: str, certified: bool) -> None:
+    import pyvista
+
+    bulk = snapshot.bulk
+    mesh = pyvista.UnstructuredGrid(
+        {bulk.cell_type: bulk.cells}, bulk.points + bulk.point_data["displacement"]
+    )
+    mesh["X displacement"] = bulk.point_data["displacement"][:, 0]
+    plotter: Any = pyvista.Plotter(title=title)  # its decorated methods lose their types
+    plotter.set_background("white")
+    plotter.add_mesh(mesh, scalars="X displacement", cmap="viridis", lighting=False)
+    plotter.add_mesh(mesh.extract_feature_edges(), color="black")
+    if not certified:
+        plotter.add_text(NOT_CERTIFIED, color="red", position="upper_edge")
+    plotter.view_xy()
+    plotter.show()

@@ -1,0 +1,101 @@
+"""The two kinds of table row that a run leaves: one of an accepted step, one of a pair of walls in it.
+
+The fields, in this order, are the columns of `history.csv` and `walls.csv`. A gap is positive where two walls
+are apart and negative where they overlap; a contact pressure is never negative. Lengths carry the unit of the
+case's `side`, stresses that of its material constants; a planar scene is taken one unit of length deep.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+
+@dataclass(frozen=True, slots=True)
+class StepRecord:
+    """One accepted step of a run: a row of `history.csv`.
+
+    Attributes
+    ----------
+    step : int
+        Number of the accepted step, from 0.
+    phase : {"compact", "contact"}
+        Whether the walls are tied to one compact solid, or are free to part.
+    load_factor : float
+        Share of the case's full load, in [0, 1].
+    plate_displacement : float
+        Length of the displacement of the moved plate [length], >= 0; 0 under a load without a plate.
+    largest_gap, mean_gap, smallest_gap : float
+        Normal gap over all facing walls [length], open > 0; the mean is weighted by wall length in the
+        reference state.
+    parted_pairs : int
+        Number of wall pairs that are apart along the whole middle half of the wall.
+    opened_share : float
+        Share of the facing wall length that is apart, in [0, 1].
+    plate_force_x, plate_force_y : float
+        Force that the moved plate exerts on the tissue [stress * length**2], positive along the axis.
+    contact_force : float
+        Sum of the magnitudes of the forces between walls [stress * length**2], >= 0.
+    energy : float
+        Stored energy of all bodies [stress * length**3], >= 0.
+    iterations, factorisations : int
+        Newton iterations and matrix factorisations that this step took, cut-backs included.
+    seconds : float
+        Time on the clock since the last accepted step [s].
+    certified : bool
+        Whether this step passed every check of the certificate.
+    """
+
+    step: int
+    phase: Literal["compact", "contact"]
+    load_factor: float
+    plate_displacement: float
+    largest_gap: float
+    mean_gap: float
+    smallest_gap: float
+    parted_pairs: int
+    opened_share: float
+    plate_force_x: float
+    plate_force_y: float
+    contact_force: float
+    energy: float
+    iterations: int
+    factorisations: int
+    seconds: float
+    certified: bool
+
+
+@dataclass(frozen=True, slots=True)
+class WallRecord:
+    """One pair of facing walls at one reported step: a row of `walls.csv`.
+
+    Attributes
+    ----------
+    step : int
+        Number of the accepted step that the row belongs to.
+    load_factor : float
+        Share of the case's full load, in [0, 1].
+    cell_a, cell_b : int
+        Numbers of the two cells whose walls faced each other in the reference state.
+    largest_gap, mean_gap : float
+        Normal gap along the wall [length], open > 0.
+    force : float
+        Magnitude of the force between the two walls [stress * length**2], >= 0.
+    opened_share : float
+        Share of the wall's reference length that is apart, in [0, 1].
+    parted : bool
+        Whether the walls are apart along the whole middle half of the wall.
+    clump : int
+        Number of the clump of cells still in touch that `cell_a` belongs to.
+    """
+
+    step: int
+    load_factor: float
+    cell_a: int
+    cell_b: int
+    largest_gap: float
+    mean_gap: float
+    force: float
+    opened_share: float
+    parted: bool
+    clump: int

@@ -1,0 +1,82 @@
+"""A case: everything that a simulation is told, and nothing that it works out."""
+
+from __future__ import annotations
+
+from math import isclose
+from typing import Annotated
+
+from pydantic import BaseModel, Strict, ValidationInfo, field_validator
+from pydantic_core import PydanticCustomError
+
+from ngcell.scene.contact import Contact, Penalty
+from ngcell.scene.expected import Expected
+from ngcell.scene.load import Load
+from ngcell.scene.material import Material
+from ngcell.scene.mesh import MeshChoice
+from ngcell.scene.section import SECTION
+from ngcell.scene.strategy import Sddp, Strategy
+from ngcell.scene.tissue import Tissue
+
+
+class Case(BaseModel):
+    """One scene, how it is loaded and how it is to be solved.
+
+    Lengths are in the unit of `Tissue.side`, stresses in the unit of the material's constants; every
+    other unit follows from these two.
+
+    Parameters
+    ----------
+    title : str
+        One line that says what happens.
+    source : str
+        Where the scene comes from.
+    tissue : Tissue
+        The cells.
+    material : MooneyRivlin
+        What their walls are made of.
+    load : Plates or Frame
+        What moves them.
+    strategy : Sddp or SingleStep
+        How the load path is walked.
+    contact : Penalty
+        What walls do to each other.
+    mesh : MeshChoice
+        How finely the walls are resolved.
+    expected : tuple of Expected
+        Numbers that the case is held to.
+    """
+
+    model_config = SECTION
+
+    title: str = ""
+    source: str = ""
+    tissue: Tissue
+    material: Material
+    load: Load
+    strategy: Strategy = Sddp()
+    contact: Contact = Penalty()
+    mesh: MeshChoice = MeshChoice()
+    expected: Annotated[tuple[Expected, ...], Strict(False)] = ()
+
+    @property
+    def smallest_step_count(self) -> int:
+        """Smallest number of load steps: what the strategy asks for, else one for each level."""
+        return self.strategy.steps or len(self.load.level_factors)
+
+    @field_validator("expected")
+    @classmethod
+    def _at_reported_levels(
+        cls, expected: tuple[Expected, ...], info: ValidationInfo
+    ) -> tuple[Expected, ...]:
+        reported = info.data["load"].level_factors if "load" in info.data else ()
+        for number, entry in enumerate(expected if reported else ()):
+            if not any(isclose(entry.level, factor) for factor in reported):
+                raise PydanticCustomError(
+                    "limit",
+                    "is not reported; allowed: a level of the load ({reported})",
+                    {
+                        "place": (number, "level"),
+                        "reported": ", ".join(f"{factor:g}" for factor in reported),
+                    },
+                )
+        return expected

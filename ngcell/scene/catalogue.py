@@ -1,0 +1,49 @@
+"""Where case files are: a path, or the name of a case that comes with ngcell."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from pathlib import Path
+
+from ngcell.errors import CaseError
+
+_PACKAGE = Path(__file__).parents[1]
+#: The wheel carries the cases inside the package; in a source checkout they stand beside it.
+_SHELVES = (_PACKAGE / "_cases", _PACKAGE.parent / "cases")
+
+
+def shipped_cases() -> dict[str, Path]:
+    """Return the case files that come with ngcell, by name."""
+    shelf = next((shelf for shelf in _SHELVES if shelf.is_dir()), None)
+    if shelf is None:
+        return {}
+    files = [*shelf.glob("*.toml"), *shelf.glob("*/case.toml")]
+    return {case_name(file): file for file in sorted(files)}
+
+
+def find_case(path_or_name: str | Path) -> Path:
+    """Return the case file that a path, a folder with a `case.toml` or a shipped name means.
+
+    Raises
+    ------
+    CaseError
+        There is no such file, and no shipped case of that name.
+    """
+    path = Path(path_or_name)
+    for candidate in (path, path / "case.toml"):
+        if candidate.is_file():
+            return candidate
+    shipped = shipped_cases()
+    if str(path_or_name) in shipped:
+        return shipped[str(path_or_name)]
+    near = get_close_matches(path.stem, shipped, n=1)
+    raise CaseError(
+        f"{path_or_name}: no such case file"
+        + (f"; did you mean {near[0]}?" if near else "")
+        + f"; allowed: the path of a TOML file, or one of {', '.join(shipped)}"
+    )
+
+
+def case_name(file: Path) -> str:
+    """Return the short name of a case file: its stem, or its folder's name for a `case.toml`."""
+    return file.resolve().parent.name if file.name == "case.toml" else file.stem

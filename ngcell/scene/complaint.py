@@ -1,0 +1,162 @@
+"""One line for each mistake in a case: file, line, key, value, what is allowed, and the key that was meant.
+
+The validating library knows the place and the sort of a mistake; what would be allowed there is read off the
+schema, so that no limit is written down twice.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Any
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from ngcell.scene.lines import line_of
+from ngcell.scene.overrides import KeyPath
+from ngcell.scene.vocabulary import allowed, keys, kinds, node_at
+
+_LONGEST_VALUE = 60
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """One mistake: its sort, the key it is about and, for what the schema cannot say, its own words."""
+
+    sort: str
+    path: KeyPath
+    words: str
+
+
+@dataclass(frozen=True)
+class CaseText:
+    """What a case file says and where.
+
+    Parameters
+    ----------
+    name : str
+        The file, as the user named it.
+    table : dict
+        What it says, overrides included.
+    lines : dict of key path to int
+        Line of each key, counted from 1.
+    overridden : tuple of key path
+        Keys that were set beside the file.
+    """
+
+    name: str
+    table: dict[str, Any]
+    lines: dict[KeyPath, int]
+    overridden: tuple[KeyPath, ...]
+
+    def line(self, mistake: Mistake) -> int:
+        """Return the line of a mistake, 0 if it has none."""
+        return line_of(mistake.path, self.lines) or 0
+
+
+def complaints(error: ValidationError, text: CaseText) -> list[str]:
+    """Return a line for each mistake; misspelt keys first, for they cause others."""
+    mistakes = [_mistake(detail, text.table) for detail in error.errors()]
+    unknown = [mistake for mistake in mistakes if mistake.sort == "extra_forbidden"]
+    explained = {_meant(mistake.path, text.table) for mistake in unknown}
+    others = [
+        mistake
+        for mistake in mistakes
+        if mistake not in unknown and (mistake.sort != "missing" or mistake.path not in explained)
+    ]
+    in_order = sorted(unknown, key=text.line) + sorted(others, key=text.line)
+    return [f"{_where(mistake.path, text)}: {_what(mistake, text.table)}" for mistake in in_order]
+
+
+def _mistake(detail: ErrorDetails, table: dict[str, Any]) -> Mistake:
+    sort, path = detail["type"], tuple(_file_path(detail, table))
+    if sort == "missing" and isinstance(path[-1], int):
+        return Mistake("too_short", path[:-1], "")
+    if sort == "union_tag_not_found":
+        return Mistake("missing", (*path, "kind"), "")
+    if sort == "union_tag_invalid":
+        return Mistake(sort, (*path, "kind"), "")
+    # A check across keys is reported for their table; its "place" is the key in it that is to blame.
+    return Mistake(sort, (*path, *detail.get("ctx", {}).get("place", ())), detail["msg"])
+
+
+def _file_path(detail: ErrorDetails, table: Any) -> Iterator[str | int]:
+    """Yield the place of a mistake as the file spells it, without the kinds that the validator adds."""
+    *inner, last = detail["loc"]
+    for part in inner:
+        if isinstance(part, str) and isinstance(table, dict) and part not in table:
+            continue
+        yield part
+        table = table[part]
+    if detail["type"] == "missing" or not isinstance(table, dict) or last in table:
+        yield last
+
+
+def _where(path: KeyPath, text: CaseText) -> str:
+    if any(path[: len(key)] == key for key in text.overridden):
+        return f"{text.name}: --set"
+    line = line_of(path, text.lines)
+    return f"{text.name}:{line}" if line else text.name
+
+
+def _what(mistake: Mistake, table: dict[str, Any]) -> str:
+    key, value = _dotted(mistake.path), _shown(_value_at(mistake.path, table))
+    if mistake.sort == "missing":
+        return f"{key} is missing; allowed: {_allowed(mistake.path, table)}"
+    if mistake.sort == "extra_forbidden":
+        known = ", ".join(keys(node_at(mistake.path[:-1], table)))
+        return f"{key}{value} is unknown{_suggestion(mistake.path, table)}; allowed: {known}"
+    if mistake.sort == "limit":
+        return f"{key}{value}: {mistake.words}"
+    suggestion = _suggestion(mistake.path, table) if mistake.sort == "union_tag_invalid" else ""
+    return f"{key}{value} is not possible{suggestion}; allowed: {_allowed(mistake.path, table)}"
+
+
+def _allowed(path: KeyPath, table: dict[str, Any]) -> str:
+    holder = node_at(path[:-1], table)
+    if path[-1] == "kind" and kinds(holder):
+        names = [f'"{kind}"' for kind in kinds(holder)]
+        return ("one of " if len(names) > 1 else "") + ", ".join(names)
+    node = node_at(path, table)
+    known = keys(node) or (["kind"] if kinds(node) else [])
+    return f"a table [{_dotted(path)}] with {', '.join(known)}" if known else allowed(node)
+
+
+def _suggestion(path: KeyPath, table: dict[str, Any]) -> str:
+    holder = node_at(path[:-1], table)
+    if path[-1] == "kind":
+        near = get_close_matches(str(_value_at(path, table)), kinds(holder), n=1)
+    else:
+        near = [str(_meant(path, table)[-1])] if _meant(path, table) else []
+    return f"; did you mean {near[0]}?" if near else ""
+
+
+def _meant(path: KeyPath, table: dict[str, Any]) -> KeyPath:
+    """Return the path of the known key nearest to an unknown one, empty if none is near."""
+    near = get_close_matches(str(path[-1]), keys(node_at(path[:-1], table)), n=1)
+    return (*path[:-1], near[0]) if near else ()
+
+
+def _dotted(path: KeyPath) -> str:
+    first, *rest = path
+    return str(first) + "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in rest)
+
+
+def _value_at(path: KeyPath, table: Any) -> Any:
+    for part in path:
+        present = part in table if isinstance(table, dict) else isinstance(part, int) and part < len(table)
+        if not present:
+            return None
+        table = table[part]
+    return table
+
+
+def _shown(value: Any) -> str:
+    """Return `` = value`` on one line and cut to length, nothing for a table."""
+    if value is None or isinstance(value, dict):
+        return ""
+    shown = json.dumps(value, default=str, ensure_ascii=False)
+    return f" = {shown if len(shown) <= _LONGEST_VALUE else shown[:_LONGEST_VALUE] + '...'}"

@@ -1,0 +1,50 @@
+"""Where in the text of a TOML file a key stands; the standard parser does not say."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+
+from ngcell.scene.overrides import KeyPath
+
+_NAME = r"""(?:[A-Za-z0-9_-]+|"[^"]*"|'[^']*')"""
+_DOTTED = rf"{_NAME}(?:\s*\.\s*{_NAME})*"
+_HEADER = re.compile(rf"\s*(\[\[?)\s*({_DOTTED})\s*\]")
+_ENTRY = re.compile(rf"\s*({_DOTTED})\s*=")
+_MULTILINE_QUOTE = re.compile(r'"""|\'\'\'')
+
+
+def key_lines(text: str) -> dict[KeyPath, int]:
+    """Return the line, counted from 1, of each table header and key of a valid or broken TOML text.
+
+    Notes
+    -----
+    Keys inside inline tables are left out: they stand on the line of the key that holds them.
+    """
+    lines: dict[KeyPath, int] = {}
+    entries: Counter[KeyPath] = Counter()
+    table: KeyPath = ()
+    inside_string = False
+    for number, line in enumerate(text.splitlines(), start=1):
+        starts_inside = inside_string
+        inside_string ^= len(_MULTILINE_QUOTE.findall(line)) % 2 == 1
+        if starts_inside:
+            continue
+        if header := _HEADER.match(line):
+            table = _split(header[2])
+            if header[1] == "[[":
+                entries[table] += 1
+                table = (*table, entries[table] - 1)
+            lines.setdefault(table, number)
+        elif entry := _ENTRY.match(line):
+            lines.setdefault((*table, *_split(entry[1])), number)
+    return lines
+
+
+def line_of(path: KeyPath, lines: dict[KeyPath, int]) -> int | None:
+    """Return the line of a key, else of the nearest table that holds it, else None."""
+    return next((lines[path[:n]] for n in range(len(path), 0, -1) if path[:n] in lines), None)
+
+
+def _split(dotted: str) -> KeyPath:
+    return tuple(name.strip("\"'") for name in re.findall(_NAME, dotted))

@@ -1,0 +1,157 @@
+"""What moves the tissue. A further load is one more class here and one more name in `Load`."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BaseModel, BeforeValidator, Field, Strict, model_validator
+from pydantic_core import PydanticCustomError
+
+from ngcell.scene.section import SECTION, ByKind, PlanarVector, PositiveNumber
+
+#: More levels than this are a typing error; steps between them are chosen by the solver anyway.
+MOST_LEVELS = 1000
+
+Gradient = tuple[tuple[float, float], tuple[float, float]]
+
+
+def _levels(value: Any) -> int | tuple[float, ...]:
+    """Return a number of levels, or the load factors themselves, as they were given but checked."""
+    if type(value) is int and 1 <= value <= MOST_LEVELS:
+        return value
+    if isinstance(value, (list, tuple)) and all(type(factor) in (int, float) for factor in value):
+        factors = tuple(float(factor) for factor in value)
+        # Written so that a NaN, for which every comparison is false, is refused as well.
+        if factors and all(below < above for below, above in pairwise((0.0, *factors))) and factors[-1] <= 1:
+            return factors
+    raise PydanticCustomError(
+        "limit",
+        "allowed: a whole number from 1 to {most} of equal levels, "
+        "or an increasing list of load factors in (0, 1]",
+        {"most": MOST_LEVELS},
+    )
+
+
+LevelCount = Annotated[int, Field(ge=1, le=MOST_LEVELS)]
+LoadFactors = Annotated[tuple[Annotated[float, Field(gt=0, le=1)], ...], Strict(False)]
+Levels = Annotated[LevelCount | LoadFactors, BeforeValidator(_levels)]
+
+
+class Plates(BaseModel):
+    """Two plates: the outer walls that face down are held, those that face up are moved, the sides are free.
+
+    Exactly one of `displacement` and `stretch` is given.
+
+    Parameters
+    ----------
+    displacement : tuple of float, shape (2,), optional
+        Displacement of the upper plate at load factor 1, a length.
+    stretch : float, optional
+        Distance of the plates at load factor 1 over the distance at rest, > 0.
+    levels : int or tuple of float
+        Number of equal levels, or the increasing load factors in (0, 1] that are reported.
+    """
+
+    model_config = SECTION
+
+    kind: Literal["plates"] = "plates"
+    displacement: PlanarVector | None = None
+    stretch: PositiveNumber | None = None
+    levels: Levels = 10
+
+    @property
+    def level_factors(self) -> tuple[float, ...]:
+        """Load factors of the levels, increasing, in (0, 1]."""
+        return _level_factors(self.levels)
+
+    @model_validator(mode="after")
+    def _one_motion(self) -> Self:
+        _require_one(displacement=self.displacement, stretch=self.stretch)
+        return self
+
+
+class Frame(BaseModel):
+    """A frame: all outer walls follow one affine deformation.
+
+    Exactly one of `deformation_gradient`, `stretch` and `shear` is given.
+
+    Parameters
+    ----------
+    deformation_gradient : tuple of tuple of float, shape (2, 2), optional
+        Deformation gradient at load factor 1, without unit. It is reached along the straight line from
+        the identity, on which its determinant stays positive.
+    stretch : tuple of float, shape (2,), optional
+        Stretches along x and y at load factor 1, each > 0.
+    shear : float, optional
+        Simple shear at load factor 1: displacement along x over height.
+    levels : int or tuple of float
+        Number of equal levels, or the increasing load factors in (0, 1] that are reported.
+    """
+
+    model_config = SECTION
+
+    kind: Literal["frame"] = "frame"
+    deformation_gradient: Annotated[tuple[PlanarVector, PlanarVector], Strict(False)] | None = None
+    stretch: Annotated[tuple[PositiveNumber, PositiveNumber], Strict(False)] | None = None
+    shear: float | None = None
+    levels: Levels = 10
+
+    @property
+    def level_factors(self) -> tuple[float, ...]:
+        """Load factors of the levels, increasing, in (0, 1]."""
+        return _level_factors(self.levels)
+
+    @property
+    def final_gradient(self) -> Gradient:
+        """Deformation gradient at load factor 1, shape (2, 2), whichever way the load was given."""
+        if self.deformation_gradient is not None:
+            return self.deformation_gradient
+        stretch_x, stretch_y = self.stretch or (1.0, 1.0)
+        return (stretch_x, self.shear or 0.0), (0.0, stretch_y)
+
+    @model_validator(mode="after")
+    def _one_deformation(self) -> Self:
+        _require_one(deformation_gradient=self.deformation_gradient, stretch=self.stretch, shear=self.shear)
+        return self
+
+    @model_validator(mode="after")
+    def _keeps_orientation(self) -> Self:
+        smallest = _smallest_determinant(self.final_gradient)
+        if smallest <= 0:
+            raise PydanticCustomError(
+                "limit",
+                "turns the frame inside out, its determinant falls to {smallest} on the way; "
+                "allowed: a determinant > 0 along the line from the identity to it",
+                {"smallest": f"{smallest:.6g}", "place": ("deformation_gradient",)},
+            )
+        return self
+
+
+Load = Annotated[Plates | Frame, ByKind()]
+
+
+def _level_factors(levels: int | tuple[float, ...]) -> tuple[float, ...]:
+    return tuple((n + 1) / levels for n in range(levels)) if isinstance(levels, int) else levels
+
+
+def _require_one(**choices: object) -> None:
+    given = [name for name, value in choices.items() if value is not None]
+    if len(given) != 1:
+        raise PydanticCustomError(
+            "limit",
+            "{given}; allowed: exactly one of {names}",
+            {
+                "given": f"both {' and '.join(given)} are given" if given else "nothing says how far to go",
+                "names": ", ".join(choices),
+            },
+        )
+
+
+def _smallest_determinant(gradient: Gradient) -> float:
+    """Return the smallest of ``det(I + s (F - I))`` over s in [0, 1], a parabola in s."""
+    (xx, xy), (yx, yy) = gradient
+    slope = (xx - 1) + (yy - 1)
+    bend = (xx - 1) * (yy - 1) - xy * yx
+    turning = [s for s in [-slope / (2 * bend)] if 0 < s < 1] if bend > 0 else []
+    return min(1 + slope * s + bend * s * s for s in (0.0, 1.0, *turning))

@@ -1,0 +1,42 @@
+"""How the load path is walked. A further way is one more class here and one more name in `Strategy`."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel
+
+from ngcell.scene.section import SECTION, ByKind, PositiveCount
+
+
+class Sddp(BaseModel):
+    """Successive deformation decomposition: load the compact tissue first, then release its walls.
+
+    Parameters
+    ----------
+    steps : int, optional
+        Smallest number of load steps, >= 1; by default one for each level of the load.
+    """
+
+    model_config = SECTION
+
+    kind: Literal["sddp"] = "sddp"
+    steps: PositiveCount | None = None
+
+
+class SingleStep(BaseModel):
+    """Load and contact together.
+
+    Parameters
+    ----------
+    steps : int, optional
+        Smallest number of load steps, >= 1; by default one for each level of the load.
+    """
+
+    model_config = SECTION
+
+    kind: Literal["single-step"] = "single-step"
+    steps: PositiveCount | None = None
+
+
+Strategy = Annotated[Sddp | SingleStep, ByKind(default="sddp")]

@@ -1,0 +1,99 @@
+"""The tissue: rows and columns of equal, regular, hollow hexagonal cells."""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import Literal
+
+from pydantic import BaseModel, ValidationInfo, field_validator
+from pydantic_core import PydanticCustomError
+
+from ngcell.scene.section import SECTION, NonNegativeNumber, PositiveCount, PositiveNumber
+
+#: A patch beyond this is out of reach of a direct solver on one machine; far more often it is a typing error.
+MOST_CELLS = 10_000
+
+
+class Tissue(BaseModel):
+    """A patch of hexagonal cells, each a body of its own.
+
+    Parameters
+    ----------
+    rows, cols : int
+        Number of rows and of cells in each row, >= 1; together at most `MOST_CELLS` cells.
+    side : float
+        Side of the outer hexagon, > 0; it sets the unit of length of the whole case.
+    wall : float
+        Thickness of the wall, in (0, apothem): the lumen stays open.
+    corner_radius : float
+        Radius of the outer wall's corners, in [0, apothem); 0 is sharp. The inner wall keeps its corners,
+        so the radius stays below ``wall / (1 - sqrt(3) / 2)``, where it would cut through them.
+    orientation : {"pointy", "flat"}
+        Whether a corner or a wall of each cell points upwards.
+    """
+
+    model_config = SECTION
+
+    rows: PositiveCount
+    cols: PositiveCount
+    side: PositiveNumber = 1.0
+    wall: PositiveNumber
+    corner_radius: NonNegativeNumber = 0.0
+    orientation: Literal["pointy", "flat"] = "pointy"
+
+    @property
+    def apothem(self) -> float:
+        """Distance from a cell's centre to the middle of its outer walls."""
+        return _apothem(self.side)
+
+    @property
+    def cell_count(self) -> int:
+        """Number of cells."""
+        return self.rows * self.cols
+
+    @field_validator("cols")
+    @classmethod
+    def _few_enough(cls, cols: int, info: ValidationInfo) -> int:
+        rows = info.data.get("rows", 1)
+        if rows * cols > MOST_CELLS:
+            raise PydanticCustomError(
+                "limit",
+                "with rows = {rows} these are {cells} cells; allowed: rows * cols <= {most}",
+                {"rows": rows, "cells": rows * cols, "most": MOST_CELLS},
+            )
+        return cols
+
+    @field_validator("wall")
+    @classmethod
+    def _open_lumen(cls, wall: float, info: ValidationInfo) -> float:
+        if "side" in info.data and wall >= _apothem(info.data["side"]):
+            raise PydanticCustomError(
+                "limit",
+                "a wall this thick closes the lumen; allowed: 0 < wall < {apothem}, "
+                "the cell's apothem (side * sqrt(3) / 2 with side = {side})",
+                {"apothem": f"{_apothem(info.data['side']):.6g}", "side": f"{info.data['side']:.6g}"},
+            )
+        return wall
+
+    @field_validator("corner_radius")
+    @classmethod
+    def _whole_corner(cls, radius: float, info: ValidationInfo) -> float:
+        if "side" not in info.data or "wall" not in info.data:
+            return radius
+        apothem = _apothem(info.data["side"])
+        cut_through = info.data["wall"] / (1 - sqrt(3) / 2)
+        if radius >= min(apothem, cut_through):
+            limit, reason = min(
+                (apothem, "the cell's apothem (side * sqrt(3) / 2)"),
+                (cut_through, "wall / (1 - sqrt(3) / 2), where it cuts through the wall's corners"),
+            )
+            raise PydanticCustomError(
+                "limit",
+                "allowed: 0 <= corner_radius < {limit}, {reason}",
+                {"limit": f"{limit:.6g}", "reason": reason},
+            )
+        return radius
+
+
+def _apothem(side: float) -> float:
+    return side * sqrt(3) / 2

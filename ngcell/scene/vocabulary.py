@@ -1,0 +1,96 @@
+"""What a case file may say: its JSON schema and, read off the schema, the words for what is allowed."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+from ngcell.scene.case import Case
+from ngcell.scene.overrides import KeyPath
+
+Node = dict[str, Any]
+
+
+@cache
+def _schema() -> Node:
+    return Case.model_json_schema()
+
+
+def schema() -> Node:
+    """Return the JSON schema of a case file."""
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **_schema()}
+
+
+def node_at(path: KeyPath, table: Any) -> Node:
+    """Return the schema of the key at `path`; `table`, what the file says, tells the kinds on the way."""
+    node = _resolved(_schema(), table)
+    for part in path:
+        table = _entry(table, part)
+        node = _resolved(_below(node, part), table)
+    return node
+
+
+def keys(node: Node) -> list[str]:
+    """Return the keys of a table."""
+    return list(node.get("properties", ()))
+
+
+def kinds(node: Node) -> list[str]:
+    """Return the kinds between which a table chooses."""
+    return list(node.get("discriminator", {}).get("mapping", ()))
+
+
+def allowed(node: Node) -> str:
+    """Return in words what a key may be."""
+    if "anyOf" in node:
+        return " or ".join(allowed(_resolved(option, None)) for option in node["anyOf"])
+    if "const" in node or "enum" in node:
+        values = node.get("enum", [node.get("const")])
+        return ("one of " if len(values) > 1 else "") + ", ".join(f'"{value}"' for value in values)
+    if node.get("type") == "array":
+        return _array(node)
+    nouns = {"integer": "a whole number", "number": "a finite number", "string": "text in quotes"}
+    return nouns.get(node.get("type", ""), "a table") + _limits(node)
+
+
+def _array(node: Node) -> str:
+    items = node.get("prefixItems")
+    if items is None:
+        return f"a list, each entry {allowed(_resolved(node['items'], None))}"
+    return f"[{', '.join(allowed(_resolved(item, None)) for item in items)}]"
+
+
+def _limits(node: Node) -> str:
+    if "minimum" in node and "maximum" in node:
+        return f" from {node['minimum']:g} to {node['maximum']:g}"
+    signs = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
+    limits = [f" {sign} {node[key]:g}" for key, sign in signs.items() if key in node]
+    return " and".join(limits) + (", not empty" if node.get("minLength") else "")
+
+
+def _resolved(node: Node, table: Any) -> Node:
+    """Return the schema behind references, "or nothing" and a choice by kind."""
+    if "$ref" in node:
+        definitions: dict[str, Node] = _schema()["$defs"]
+        return _resolved(definitions[node["$ref"].rpartition("/")[2]], table)
+    options = [option for option in node.get("anyOf", ()) if option.get("type") != "null"]
+    if len(options) == 1:
+        return _resolved(options[0], table)
+    kind = _entry(table, "kind") or _entry(node.get("default"), "kind")
+    chosen = node.get("discriminator", {}).get("mapping", {}).get(kind) if isinstance(kind, str) else None
+    return _resolved({"$ref": chosen}, table) if chosen else node
+
+
+def _below(node: Node, part: str | int) -> Node:
+    entries: dict[str | int, Node] = {
+        **node.get("properties", {}),
+        **dict(enumerate(node.get("prefixItems", ()))),
+    }
+    other: Node = node.get("items", {})
+    return entries.get(part, other)
+
+
+def _entry(table: Any, part: str | int) -> Any:
+    if isinstance(table, dict):
+        return table.get(part)
+    return table[part] if isinstance(table, list) and isinstance(part, int) and part < len(table) else None

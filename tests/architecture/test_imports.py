@@ -1,0 +1,107 @@
+"""The rooms of the house import in one direction only, and the front door opens fast."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import ngcell
+
+PACKAGE = Path(ngcell.__file__).parent
+MODULES = sorted(PACKAGE.rglob("*.py"))
+IDS = [str(module.relative_to(PACKAGE)) for module in MODULES]
+
+#: Each room and the rooms it may import, besides itself.
+ALLOWED = {
+    "errors": set(),
+    "scene": {"errors"},
+    "geometry": {"errors", "scene"},
+    "mechanics": {"errors", "scene", "geometry"},
+    "contact": {"errors", "scene", "geometry", "mechanics"},
+    "results": {"errors", "scene", "geometry", "mechanics", "contact"},
+    "export": {"errors", "scene", "geometry", "mechanics", "contact", "results"},
+    "solve": {"errors"},
+    "run": {"errors", "scene", "geometry", "mechanics", "contact", "results", "export", "solve"},
+    "cli": {"errors", "scene", "results", "export", "run", "__version__"},
+    # The table of contents names what it offers to type checkers; at run time it imports on demand.
+    "__init__": {"run", "scene"},
+    "__main__": {"cli"},
+}
+
+#: Libraries that a room does not know.
+NUMERICS = {"ngsolve", "netgen", "numpy", "scipy", "shapely"}
+PICTURES = {"pyvista", "vtk", "vtkmodules", "matplotlib"}
+UNKNOWN = {
+    "scene": NUMERICS | PICTURES | {"time", "click", "rich"},
+    "geometry": PICTURES | {"click", "rich"},
+    "mechanics": PICTURES | {"click", "rich"},
+    "contact": PICTURES | {"click", "rich"},
+    "results": PICTURES | {"click", "rich"},
+    "solve": PICTURES | {"netgen", "click", "rich"},
+    "export": {"click", "rich"},
+    "run": PICTURES | {"click", "rich"},
+    "cli": NUMERICS | PICTURES,
+    "errors": NUMERICS | PICTURES | {"click", "rich", "pydantic"},
+}
+
+
+def room_of(module: Path) -> str:
+    return module.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+def imports(module: Path) -> Iterator[tuple[str, ...]]:
+    """Yield the dotted parts of each import, wherever it stands in the module."""
+    for node in ast.walk(ast.parse(module.read_text())):
+        if isinstance(node, ast.Import):
+            yield from (tuple(alias.name.split(".")) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield from imported_from(node, module)
+
+
+def imported_from(node: ast.ImportFrom, module: Path) -> Iterator[tuple[str, ...]]:
+    package = ("ngcell", *module.relative_to(PACKAGE).parent.parts)
+    start = package[: len(package) - node.level + 1] if node.level else ()
+    source = (*start, *(node.module.split(".") if node.module else ()))
+    for alias in node.names:
+        yield (*source, alias.name)
+
+
+@pytest.mark.parametrize("module", MODULES, ids=IDS)
+def test_rooms_import_only_the_rooms_before_them(module: Path) -> None:
+    room = room_of(module)
+    assert room in ALLOWED, f"{room} is no room of the house: give it a place in ALLOWED"
+    used = {parts[1] for parts in imports(module) if parts[0] == "ngcell" and len(parts) > 1}
+    assert used <= ALLOWED[room] | {room}
+
+
+@pytest.mark.parametrize("module", MODULES, ids=IDS)
+def test_rooms_do_not_know_the_libraries_of_others(module: Path) -> None:
+    used = {parts[0] for parts in imports(module)}
+    assert not used & UNKNOWN.get(room_of(module), set())
+
+
+@pytest.mark.parametrize("module", MODULES, ids=IDS)
+def test_modules_are_named_after_what_they_hold(module: Path) -> None:
+    assert module.stem not in {"utils", "helpers", "misc", "common", "manager", "base"}
+    assert not module.stem.startswith("new_")
+
+
+@pytest.mark.parametrize("front_door", ["ngcell", "ngcell.cli", "ngcell.scene"])
+def test_front_doors_open_without_numerics(front_door: str) -> None:
+    heavy = sorted(NUMERICS | PICTURES)
+    program = f"import sys, {front_door}; print(*(name for name in {heavy} if name in sys.modules))"
+    loaded = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert loaded.stdout.split() == []
+
+
+def test_table_of_contents_is_sorted_and_holds_the_case() -> None:
+    assert sorted(ngcell.__all__) == ngcell.__all__
+    assert ngcell.Case.__name__ == "Case"
+    assert set(ngcell.__all__) <= set(dir(ngcell))
+    with pytest.raises(AttributeError, match="no attribute 'Cas'"):
+        _ = ngcell.Cas

@@ -1,0 +1,171 @@
+"""`ngcell solve`: exit codes, the summary, the output folder, and what is kept when a run ends early."""
+
+from __future__ import annotations
+
+import csv
+import errno
+import json
+import os
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from ngcell.cli import ngcell
+from ngcell.errors import NotConverged
+from ngcell.scene import read_case
+from tests.cli.conftest import FakeRun
+
+CASE = "shear-empty-3x3"
+
+
+def solve(*arguments: str) -> Result:
+    return CliRunner().invoke(ngcell, ["solve", *arguments])
+
+
+def history(folder: Path) -> list[dict[str, str]]:
+    with (folder / "history.csv").open(newline="") as table:
+        return list(csv.DictReader(table))
+
+
+def test_certified_run_answers_0_and_shows_its_certificate(fake_run: FakeRun, in_empty_folder: Path) -> None:
+    answer = solve(CASE)
+    assert answer.exit_code == 0
+    assert [line.split() for line in answer.stdout.splitlines()] == [
+        ["outcome", "converged"],
+        ["certificate", "passed"],
+        ["residual", "1.25e-12"],
+        ["worst", "penetration", "3.4e-06"],
+        ["balanced", "yes"],
+        ["results", f"out/{CASE}"],
+    ]
+    assert len(history(in_empty_folder / "out" / CASE)) == 5
+
+
+def test_progress_is_a_plain_line_for_each_step_where_there_is_no_terminal(
+    fake_run: FakeRun, in_empty_folder: Path
+) -> None:
+    lines = solve(CASE).stderr.splitlines()
+    assert len(lines) == 5
+    assert lines[2].startswith("step   2  contact  load 0.6000  largest gap  2.000e-02  parted    2")
+    assert solve(CASE, "--quiet").stderr == ""
+
+
+def test_arguments_reach_the_run(fake_run: FakeRun, tmp_path: Path) -> None:
+    out = tmp_path / "here"
+    solve(CASE, "--out", str(out), "--threads", "2", "--set", "mesh.order=3", "--set", "tissue.wall=0.2")
+    (case, folder, threads) = fake_run.asked[0]
+    assert (folder, threads) == (out, 2)
+    assert case == read_case(CASE, ["mesh.order=3", "tissue.wall=0.2"])
+    assert read_case(out) == case
+
+
+def test_uncertified_run_answers_4_and_says_so(fake_run: FakeRun, in_empty_folder: Path) -> None:
+    fake_run.certified = False
+    answer = solve(CASE)
+    assert answer.exit_code == 4
+    assert "certificate  NOT PASSED" in answer.stdout
+    assert answer.stderr.splitlines()[0].endswith("not certified")
+    assert answer.stderr.splitlines()[-1] == f"not certified; accepted steps kept in out/{CASE}: 5"
+
+
+def test_run_that_does_not_converge_answers_4_and_says_what_is_kept(
+    fake_run: FakeRun, in_empty_folder: Path
+) -> None:
+    fake_run.stop_after = 3
+    fake_run.error = NotConverged("step too small at load 0.7", outcome="step-too-small", record_count=3)
+    answer = solve(CASE)
+    assert answer.exit_code == 4
+    assert answer.stdout == ""
+    assert answer.stderr.splitlines()[-1] == (
+        f"step too small at load 0.7; accepted steps kept in out/{CASE}: 3"
+    )
+    assert len(history(in_empty_folder / "out" / CASE)) == 3
+
+
+@pytest.mark.parametrize(
+    ("accepted", "kept"), [(0, "no step was accepted"), (2, f"accepted steps kept in out/{CASE}: 2")]
+)
+def test_stopped_run_answers_4_and_keeps_what_it_accepted(
+    fake_run: FakeRun, in_empty_folder: Path, accepted: int, kept: str
+) -> None:
+    fake_run.stop_after, fake_run.error = accepted, KeyboardInterrupt()
+    answer = solve(CASE)
+    assert answer.exit_code == 4
+    assert answer.stderr.splitlines()[-1] == f"stopped by Ctrl-C; {kept}"
+    folder = in_empty_folder / "out" / CASE
+    assert len(history(folder)) == accepted
+    assert json.loads((folder / "summary.json").read_text())["status"] == "stopped"
+
+
+def test_earlier_result_is_overwritten(fake_run: FakeRun, in_empty_folder: Path) -> None:
+    solve(CASE)
+    answer = solve(CASE, "--set", "load.levels=2")
+    assert answer.exit_code == 0
+    assert len(history(in_empty_folder / "out" / CASE)) == 2
+
+
+def test_folder_with_something_else_is_left_alone(fake_run: FakeRun, tmp_path: Path) -> None:
+    (tmp_path / "thesis.tex").write_text("years of work")
+    answer = solve(CASE, "--out", str(tmp_path))
+    assert answer.exit_code == 4
+    assert len(answer.stderr.splitlines()) == 1
+    assert str(tmp_path) in answer.stderr
+    assert "choose another folder" in answer.stderr
+    assert [entry.name for entry in tmp_path.iterdir()] == ["thesis.tex"]
+
+
+def test_folder_that_cannot_be_made_is_one_line(fake_run: FakeRun, tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    answer = solve(CASE, "--out", str(tmp_path / "file" / "out"))
+    assert answer.exit_code == 4
+    assert len(answer.stderr.splitlines()) == 1
+    assert str(tmp_path / "file" / "out") in answer.stderr
+    assert "choose another folder" in answer.stderr
+
+
+def test_read_only_folder_is_one_line(
+    fake_run: FakeRun, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    refuse_writes(monkeypatch, after=0, reason=errno.EROFS)
+    answer = solve(CASE, "--out", str(tmp_path / "out"))
+    assert answer.exit_code == 4
+    assert len(answer.stderr.splitlines()) == 1
+    assert "Read-only file system" in answer.stderr
+    assert "choose another folder" in answer.stderr
+
+
+def test_full_disk_is_one_line_and_keeps_what_was_accepted(
+    fake_run: FakeRun, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # The summary and the case come first, then a summary after each accepted step.
+    refuse_writes(monkeypatch, after=4, reason=errno.ENOSPC)
+    answer = solve(CASE, "--quiet", "--out", str(tmp_path / "out"))
+    assert answer.exit_code == 4
+    assert len(answer.stderr.splitlines()) == 1
+    assert "No space left on device" in answer.stderr
+    assert "free some space" in answer.stderr
+    assert len(history(tmp_path / "out")) >= 2
+
+
+def refuse_writes(monkeypatch: pytest.MonkeyPatch, *, after: int, reason: int) -> None:
+    """Make the file system refuse whole files once `after` of them are written."""
+    written: list[Path] = []
+    write_bytes = Path.write_bytes
+
+    def refuse(path: Path, content: bytes) -> int:
+        if len(written) >= after:
+            raise OSError(reason, os.strerror(reason))
+        written.append(path)
+        return write_bytes(path, content)
+
+    monkeypatch.setattr(Path, "write_bytes", refuse)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [(), (CASE, "--threads", "0"), (CASE, "--set", "tissue.wall"), (CASE, "--loud"), (CASE, "and-another")],
+)
+def test_wrong_usage_answers_2(fake_run: FakeRun, arguments: tuple[str, ...]) -> None:
+    assert solve(*arguments).exit_code == 2
+    assert not fake_run.asked

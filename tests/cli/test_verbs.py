@@ -1,0 +1,93 @@
+"""The verbs that do not solve, and the command as a whole."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import click
+import pytest
+from click.testing import CliRunner
+
+import ngcell as package
+from ngcell import export
+from ngcell.cli import ngcell
+from ngcell.errors import GeometryError
+from tests.cli.conftest import FakeRun, accepted_step
+
+
+def test_check_shows_what_would_be_solved(fake_run: FakeRun) -> None:
+    answer = CliRunner().invoke(ngcell, ["check", "shear-empty", "--set", "tissue.cols=6"])
+    assert answer.exit_code == 0
+    assert answer.stdout.splitlines() == [
+        "bodies    30",
+        "unknowns  4800",
+        "initial gap",
+        "  smallest  0",
+    ]
+
+
+def test_check_answers_3_where_the_shape_cannot_be_built(fake_run: FakeRun) -> None:
+    fake_run.error = GeometryError("mesh.size = 3: longer than a wall; allowed: at most side = 1")
+    answer = CliRunner().invoke(ngcell, ["check", "shear-empty"])
+    assert answer.exit_code == 3
+    assert answer.stderr == "mesh.size = 3: longer than a wall; allowed: at most side = 1\n"
+
+
+def test_cases_lists_names_and_titles() -> None:
+    answer = CliRunner().invoke(ngcell, ["cases"])
+    assert answer.exit_code == 0
+    assert "shear-empty-3x3          A 3x3 tissue of hollow cells under shear" in answer.stdout.splitlines()
+
+
+def test_schema_is_json() -> None:
+    answer = CliRunner().invoke(ngcell, ["schema"])
+    assert answer.exit_code == 0
+    assert json.loads(answer.stdout)["required"] == ["tissue", "material", "load"]
+
+
+def test_view_hands_folder_and_picture_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    shown: list[tuple[Path, Path | None]] = []
+    monkeypatch.setattr(export, "show", lambda folder, screenshot=None: shown.append((folder, screenshot)))
+    answer = CliRunner().invoke(ngcell, ["view", str(tmp_path), "--screenshot", str(tmp_path / "a.png")])
+    assert answer.exit_code == 0
+    assert shown == [(tmp_path, tmp_path / "a.png")]
+
+
+def test_view_of_a_folder_without_results_is_one_line(tmp_path: Path) -> None:
+    answer = CliRunner().invoke(ngcell, ["view", str(tmp_path), "--screenshot", str(tmp_path / "a.png")])
+    assert answer.exit_code == 4
+    assert len(answer.stderr.splitlines()) == 1
+    assert str(tmp_path) in answer.stderr
+
+
+def test_view_of_nothing_answers_2(tmp_path: Path) -> None:
+    assert CliRunner().invoke(ngcell, ["view", str(tmp_path / "nothing")]).exit_code == 2
+
+
+def test_python_m_ngcell_is_the_command() -> None:
+    answer = subprocess.run(
+        [sys.executable, "-m", "ngcell", "--version"], capture_output=True, text=True, check=True
+    )
+    assert answer.stdout == f"ngcell, version {package.__version__}\n"
+
+
+def test_every_verb_has_help() -> None:
+    for name, verb in ngcell.commands.items():
+        answer = CliRunner().invoke(ngcell, [name, "--help"])
+        assert answer.exit_code == 0
+        assert isinstance(verb, click.Command) and verb.help
+
+
+def test_live_line_on_a_terminal(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    from ngcell.cli.progress import step_line, step_progress
+
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("TERM", "xterm")
+    with step_progress() as show:
+        show(accepted_step(0, 0.25))
+    shown = capsys.readouterr().err
+    assert step_line(accepted_step(0, 0.25)) in shown
+    assert "building the tissue" in shown
