@@ -1,0 +1,212 @@
+"""Bodies in contact, or tied to one compact solid: the energy that the solver minimises.
+
+The assembly sums its terms and knows no load path. Unknowns of a tied assembly keep their numbers: slaves follow
+their masters (``u = sign u[master]``), and are not free.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from ngcell.contact.penalty import ContactSet, PenaltyContact
+from ngcell.contact.tie import Tie
+from ngcell.mechanics.bulk import BulkEnergy
+from ngcell.mechanics.space import DisplacementSpace, csr_matrix
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """A displacement, its energy and, in contact, its partners.
+
+    Attributes
+    ----------
+    displacement : array of float, shape (unknowns,)
+        The displacement [length].
+    energy : float
+        Bulk plus contact energy [stress * length**dimension]; NaN where an element is inverted.
+    contact : ContactSet or None
+        The partners at this displacement.
+    """
+
+    displacement: Array
+    energy: float
+    contact: ContactSet | None
+
+
+@dataclass(frozen=True, eq=False)
+class Linearisation:
+    """Second-order model of the energy about a state, with the springs of near walls kept apart.
+
+    ``E(u + d) ~ E + gradient d + d K d / 2 + sum_i stiffness_i (min(0, gap_i + jacobian_i d)^2 - min(0, gap_i)^2) / 2``
+
+    Attributes
+    ----------
+    gradient : array of float, shape (unknowns,)
+        Gradient without the springs' part.
+    stiffness : array of float
+        K without `curvature`, on the lower pattern of the assembly.
+    curvature : coo_array or None
+        Geometric part of closed contacts.
+    gap, jacobian, spring : array, csr_array, array
+        The springs: gaps, their derivatives by the unknowns, and stiffness.
+    """
+
+    gradient: Array
+    stiffness: Array
+    curvature: sparse.coo_array | None
+    gap: Array
+    jacobian: sparse.csr_array
+    spring: Array
+
+
+class Assembly:
+    """Bodies with a stored energy, in contact or tied.
+
+    Parameters
+    ----------
+    space : DisplacementSpace
+        The unknowns.
+    bulk : BulkEnergy
+        Stored energy of the bodies.
+    fixed : array of bool, shape (dimension, size)
+        Unknowns with prescribed displacement.
+    contact : PenaltyContact, optional
+        Contact between walls; without it walls pass through each other.
+    tie : Tie, optional
+        Ties between walls.
+    """
+
+    def __init__(
+        self,
+        space: DisplacementSpace,
+        bulk: BulkEnergy,
+        fixed: NDArray[np.bool_],
+        *,
+        contact: PenaltyContact | None = None,
+        tie: Tie | None = None,
+    ) -> None:
+        self.space = space
+        self.bulk = bulk
+        self.contact = contact
+        self._tie = _by_component(tie, space) if tie is not None else None
+        self.free = ~fixed.ravel()
+        if self._tie is not None:
+            master, _ = self._tie
+            slave = master != np.arange(space.unknowns)
+            held = np.zeros(space.unknowns, dtype=bool)
+            np.logical_or.at(held, master, fixed.ravel())
+            self.free = ~held & ~slave
+
+    @cached_property
+    def mass(self) -> sparse.csr_array:
+        """Mass matrix, shape (unknowns, unknowns); weighs displacements in the solver's tether."""
+        mass = sparse.block_diag([self.space.scalar_mass] * self.space.dimension, format="csr")
+        if self._tie is None:
+            return mass
+        master, sign = self._tie
+        spread = sparse.csr_array((sign, (np.arange(len(sign)), master)), shape=mass.shape)
+        return (spread.T @ mass @ spread).tocsr()
+
+    def at(self, displacement: Array) -> State:
+        """Return the state with this displacement."""
+        full = self.expand(displacement)
+        energy = self.bulk.energy(full)
+        contact = None
+        if self.contact is not None and np.isfinite(energy):
+            positions = self._positions(full)
+            contact = self.contact.pair(positions)
+            energy += contact.energy(positions)
+        return State(displacement, energy, contact)
+
+    def expand(self, displacement: Array) -> Array:
+        """Return the displacement with slaves following their masters."""
+        if self._tie is None:
+            return displacement
+        master, sign = self._tie
+        return sign * displacement[master]
+
+    def gather(self, force: Array) -> Array:
+        """Return forces on all unknowns as forces on masters."""
+        if self._tie is None:
+            return force
+        master, sign = self._tie
+        return np.bincount(master, weights=sign * force, minlength=len(force))
+
+    def gradient(self, state: State) -> Array:
+        """Return the gradient of the whole energy, shape (unknowns,)."""
+        full = self.expand(state.displacement)
+        force = self.bulk.gradient(full)
+        if state.contact is not None:
+            force += self.contact_force(state)
+        return self.gather(force)
+
+    def contact_force(self, state: State) -> Array:
+        """Return the contact part of the gradient, shape (unknowns,)."""
+        if state.contact is None:
+            return np.zeros(self.space.unknowns)
+        gap, jacobian, spring = state.contact.springs(self._positions(state.displacement))
+        return np.asarray(jacobian.T @ (spring * np.minimum(gap, 0)))
+
+    def linearise(self, state: State) -> Linearisation:
+        """Return the second-order model about a state."""
+        full = self.expand(state.displacement)
+        gradient = self.gather(self.bulk.gradient(full))
+        stiffness = self._lower_stiffness(full)
+        if state.contact is None:
+            nothing = np.zeros(0)
+            empty = sparse.csr_array((0, self.space.unknowns))
+            return Linearisation(gradient, stiffness, None, nothing, empty, nothing)
+        positions = self._positions(full)
+        gap, jacobian, spring = state.contact.springs(positions)
+        curvature = state.contact.curvature(positions)
+        return Linearisation(gradient, stiffness, curvature, gap, jacobian, spring)
+
+    @cached_property
+    def pattern(self) -> tuple[Index, Index]:
+        """Rows and columns of the lower triangle that `Linearisation.stiffness` fills, with repetitions."""
+        matrix = csr_matrix(self.bulk.tangent(np.zeros(self.space.unknowns)))
+        row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
+        column = matrix.indices.astype(np.int64)
+        self._lower = row >= column
+        row, column = row[self._lower], column[self._lower]
+        if self._tie is not None:
+            master, sign = self._tie
+            self._signs = sign[row] * sign[column]
+            # An off-diagonal entry that the tie folds onto the diagonal stands for itself and its mirror image.
+            folded = (row != column) & (master[row] == master[column])
+            self._signs = np.where(folded, 2, 1) * self._signs
+            row, column = master[row], master[column]
+        return np.maximum(row, column), np.minimum(row, column)
+
+    def couplings(self, state: State, margin: float) -> tuple[Index, Index]:
+        """Return rows and columns of the lower triangle that contact could fill while nothing moves by more
+        than half of `margin` [length]."""
+        if self.contact is None:
+            return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
+        row, column = self.contact.couplings(self._positions(state.displacement), margin)
+        shifts = [axis * self.space.size for axis in range(self.space.dimension)]
+        rows = np.concatenate([row + i for i in shifts for _ in shifts])
+        columns = np.concatenate([column + j for _ in shifts for j in shifts])
+        lower = rows >= columns
+        return rows[lower], columns[lower]
+
+    def _lower_stiffness(self, displacement: Array) -> Array:
+        _ = self.pattern
+        values = np.asarray(self.bulk.tangent(displacement).CSR()[0])[self._lower]
+        return values if self._tie is None else values * self._signs
+
+    def _positions(self, displacement: Array) -> Array:
+        return self.space.rest + displacement.reshape(self.space.dimension, -1)
+
+
+def _by_component(tie: Tie, space: DisplacementSpace) -> tuple[Index, Array]:
+    shifts = space.size * np.arange(space.dimension)
+    return (tie.master + shifts[:, None]).ravel(), np.tile(tie.sign, space.dimension)

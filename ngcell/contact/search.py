@@ -1,0 +1,207 @@
+"""Who is near whom: for each quadrature point of a wall, the closest point on every other body in reach.
+
+Edges whose midpoints are near are found with a k-d tree and kept while nothing has moved by more than a margin;
+their chords narrow the choice, and a few Newton steps on the curved, deformed edge finish it. A point
+may have one partner on each of several bodies: where three cells meet it answers to both neighbours, and never
+flips between them.
+
+A partner is either the foot of a normal or an end of an edge. Behind an end (the closest point is the end itself,
+yet the foot of the normal lies beyond it) the gap is the distance to that end. A point that lies behind the extended
+line of an edge but further aside than deep has slid past the end of it: it overlaps nothing, and is left out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from ngcell.contact.walls import Walls
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+_PROJECTION_STEPS = 4
+#: Share of an edge beyond which a foot counts as past its end: round-off of the projection, no more.
+_END_TOLERANCE = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Partners:
+    """Quadrature points and their closest points on other bodies; all arrays have one entry a partner.
+
+    Attributes
+    ----------
+    edge, station : array of int
+        Primary edge and the quadrature point on it.
+    other : array of int
+        Secondary edge.
+    xi : array of float
+        Coordinate of the closest point on the secondary edge, in [0, 1].
+    at_end : array of bool
+        Whether the closest point is an end of the secondary edge and no foot of a normal.
+    sign : array of float
+        +1 outside the secondary body, -1 inside.
+    """
+
+    edge: Index
+    station: Index
+    other: Index
+    xi: Array
+    at_end: NDArray[np.bool_]
+    sign: Array
+
+    def __len__(self) -> int:
+        return len(self.edge)
+
+
+class PartnerSearch:
+    """The search; it remembers which edges are near each other.
+
+    Parameters
+    ----------
+    walls : Walls
+        The walls.
+    reach : float
+        Distance up to which partners are found [length].
+    """
+
+    def __init__(self, walls: Walls, reach: float) -> None:
+        self._walls = walls
+        self.reach = reach
+        self._near: tuple[Index, Index] | None = None
+        self._near_at: Array | None = None
+
+    def partners(self, nodes: Array) -> Partners:
+        """Return all partners of a deformed state.
+
+        Parameters
+        ----------
+        nodes : array of float, shape (edges, order + 1, 2)
+            Deformed positions of the walls' nodes [length].
+        """
+        walls = self._walls
+        edge, other = self._near_edges(nodes)
+        count = len(walls.stations)
+        edge, other = np.repeat(edge, count), np.repeat(other, count)
+        station = np.tile(np.arange(count), len(edge) // count)
+        point = (walls.station_values @ nodes)[edge, station]
+        keep = _best_chords(edge * count + station, walls.body[other], point, nodes[other], self.reach)
+        edge, station, other, point = edge[keep], station[keep], other[keep], point[keep]
+        xi, distance = _closest(walls, nodes[other], point)
+        best = _smallest_of_group((edge * count + station) * (walls.body.max() + 1) + walls.body[other], distance)
+        best = best[distance[best] <= self.reach]
+        return _classified(walls, nodes, edge[best], station[best], other[best], xi[best], point[best])
+
+    def _near_edges(self, nodes: Array) -> tuple[Index, Index]:
+        margin = self.reach
+        if self._near is None or np.abs(nodes - self._near_at).max() > margin / 2:
+            self._near, self._near_at = near_edges(self._walls, nodes, self.reach + 2 * margin), nodes
+        edge, other = self._near
+        normal = self._walls.chord_normals(nodes)
+        facing = np.einsum("ed,ed->e", normal[edge], normal[other]) < 0
+        return edge[facing], other[facing]
+
+
+def near_edges(walls: Walls, nodes: Array, reach: float) -> tuple[Index, Index]:
+    """Return all ordered pairs of edges of different bodies that are nearer than `reach` [length]."""
+    middle = (nodes[:, 0] + nodes[:, -1]) / 2
+    half = np.linalg.norm(nodes - middle[:, None], axis=2).max(1)
+    pairs = cKDTree(middle).query_pairs(reach + 2 * half.max(), output_type="ndarray")
+    one, two = pairs.T
+    distance = np.linalg.norm(middle[one] - middle[two], axis=1)
+    near = (walls.body[one] != walls.body[two]) & (distance < reach + half[one] + half[two])
+    one, two = one[near], two[near]
+    return np.concatenate([one, two]), np.concatenate([two, one])
+
+
+def nearest_on_body(walls: Walls, nodes: Array, point: Array, body: Index) -> Array:
+    """Return the signed distance [length] of each point to the walls of a body, positive outside.
+
+    Parameters
+    ----------
+    walls : Walls
+        The walls.
+    nodes : array of float, shape (edges, order + 1, 2)
+        Deformed positions of the walls' nodes [length].
+    point : array of float, shape (points, 2)
+        The points [length].
+    body : array of int, shape (points,)
+        The body asked for.
+    """
+    order = np.argsort(walls.body, kind="stable")
+    first = np.searchsorted(walls.body[order], np.arange(walls.body.max() + 2))
+    count = (first[1:] - first[:-1])[body]
+    row = np.repeat(np.arange(len(point)), count)
+    within = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
+    other = order[first[body[row]] + within]
+    keep = _best_chords(row, walls.body[other], point[row], nodes[other], np.inf)
+    row, other = row[keep], other[keep]
+    xi, distance = _closest(walls, nodes[other], point[row])
+    best = _smallest_of_group(row, distance)
+    found = _classified(walls, nodes, row[best], row[best], other[best], xi[best], point[row[best]])
+    signed = distance[best]
+    signed[found.edge] *= found.sign
+    return signed
+
+
+def _best_chords(group: Index, body: Index, point: Array, nodes: Array, reach: float) -> Index:
+    """Return the candidates whose chord is, up to the edge's bulge, the nearest of the same body."""
+    chord = nodes[:, -1] - nodes[:, 0]
+    length2 = np.einsum("pd,pd->p", chord, chord)
+    offset = point - nodes[:, 0]
+    xi = np.clip(np.einsum("pd,pd->p", offset, chord) / length2, 0, 1)
+    distance = np.linalg.norm(offset - xi[:, None] * chord, axis=1)
+    bulge = 0.5 * np.linalg.norm(np.diff(nodes, axis=1), axis=2).sum(1) - 0.5 * np.sqrt(length2)
+    bulge = np.sqrt(np.maximum(bulge * np.sqrt(length2), 0)) * 1.5 + 1e-12 * np.sqrt(length2)
+    near = np.flatnonzero(distance < reach + bulge)
+    key = group[near] * (body.max() + 1 if len(body) else 1) + body[near]
+    _, member = np.unique(key, return_inverse=True)
+    bound = np.full(member.max() + 1 if len(member) else 0, np.inf)
+    np.minimum.at(bound, member, distance[near] + bulge[near])
+    return near[distance[near] - bulge[near] <= bound[member]]
+
+
+def _closest(walls: Walls, nodes: Array, point: Array) -> tuple[Array, Array]:
+    """Return coordinate and distance of the closest point on curved edges; `nodes` has one edge a point."""
+    chord = nodes[:, -1] - nodes[:, 0]
+    xi = np.einsum("pd,pd->p", point - nodes[:, 0], chord) / np.einsum("pd,pd->p", chord, chord)
+    xi = np.clip(xi, 0, 1)
+    for _ in range(_PROJECTION_STEPS if walls.basis.order > 1 else 0):
+        position, slope, bend = (
+            np.einsum("pi,pid->pd", walls.basis.values(xi, degree), nodes) for degree in range(3)
+        )
+        away = point - position
+        gradient = np.einsum("pd,pd->p", away, slope)
+        steepness = np.einsum("pd,pd->p", slope, slope)
+        curvature = np.maximum(steepness - np.einsum("pd,pd->p", away, bend), 0.1 * steepness)
+        xi = np.clip(xi + gradient / curvature, 0, 1)
+    position = np.einsum("pi,pid->pd", walls.basis.values(xi), nodes)
+    return xi, np.linalg.norm(point - position, axis=1)
+
+
+def _smallest_of_group(group: Index, value: Array) -> Index:
+    """Return, for each group, the position of its smallest value."""
+    order = np.lexsort((value, group))
+    first = np.ones(len(order), dtype=bool)
+    first[1:] = np.diff(group[order]) != 0
+    return np.asarray(order[first])
+
+
+def _classified(
+    walls: Walls, nodes: Array, edge: Index, station: Index, other: Index, xi: Array, point: Array
+) -> Partners:
+    mine = nodes[other]
+    position = np.einsum("pi,pid->pd", walls.basis.values(xi), mine)
+    slope = np.einsum("pi,pid->pd", walls.basis.values(xi, 1), mine)
+    speed2 = np.einsum("pd,pd->p", slope, slope)
+    away = point - position
+    aside = np.einsum("pd,pd->p", away, slope) / speed2
+    height = walls.side[other] * (away[:, 0] * slope[:, 1] - away[:, 1] * slope[:, 0]) / speed2
+    at_end = np.abs(aside) > _END_TOLERANCE
+    slid_past = at_end & (height < 0) & (np.abs(aside) > np.abs(height))
+    kept = ~slid_past
+    sign = np.where(height < 0, -1.0, 1.0)
+    return Partners(*(array[kept] for array in (edge, station, other, xi, at_end, sign)))

@@ -1,0 +1,163 @@
+"""The walls that may touch, as arrays: edges, their unknowns, and shape functions as polynomials.
+
+NGSolve's shape functions on an edge depend on the orientation of the edge, with signs from order 3 on. They are
+sampled once at equidistant points, so that everything below works with Lagrange polynomials in the edge's own
+coordinate ``xi`` in [0, 1] and needs to know nothing of NGSolve. Signs: the outward normal of an edge is its tangent
+turned by -90 degrees times `side`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import ngsolve
+import numpy as np
+from numpy.typing import NDArray
+
+from ngcell.geometry.bodies import BodyMesh
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Lagrange:
+    """Lagrange polynomials of order `order` at equidistant nodes of [0, 1], and their derivatives."""
+
+    order: int
+
+    @cached_property
+    def nodes(self) -> Array:
+        """Nodes, shape (order + 1,)."""
+        return np.linspace(0.0, 1.0, self.order + 1)
+
+    @cached_property
+    def _to_monomials(self) -> Array:
+        return np.linalg.inv(np.vander(self.nodes, increasing=True))
+
+    def values(self, xi: Array, derivative: int = 0) -> Array:
+        """Return the derivative of the given degree of all polynomials at `xi`; shape (*xi.shape, order + 1)."""
+        power = np.arange(self.order + 1)
+        factor = np.ones(self.order + 1)
+        for degree in range(derivative):
+            factor = factor * (power - degree)
+        exponent = np.maximum(power - derivative, 0)
+        return (np.asarray(xi)[..., None] ** exponent * factor) @ self._to_monomials
+
+
+@dataclass(frozen=True, eq=False)
+class Walls:
+    """Boundary edges that may touch another body, and the quadrature points on them.
+
+    Attributes
+    ----------
+    body : array of int, shape (edges,)
+        Body that each edge bounds.
+    dofs : array of int, shape (edges, order + 1)
+        Scalar unknowns of each edge.
+    nodal : array of float, shape (edges, order + 1, order + 1)
+        Values of the unknowns' shape functions at the Lagrange nodes.
+    side : array of float, shape (edges,)
+        +1 or -1, so that the outward normal is ``side * (t_y, -t_x) / |t|``.
+    basis : Lagrange
+        Polynomials along an edge.
+    stations : array of float, shape (points,)
+        Quadrature points of an edge in `xi`.
+    weights : array of float, shape (edges, points)
+        Quadrature weights times reference length [length].
+    depth : array of float, shape (edges,)
+        Height of the element behind the edge [length], the scale of the penalty stiffness.
+    rest : array of float, shape (edges, order + 1, 2)
+        Reference positions of the Lagrange nodes [length].
+    """
+
+    body: Index
+    dofs: Index
+    nodal: Array
+    side: Array
+    basis: Lagrange
+    stations: Array
+    weights: Array
+    depth: Array
+    rest: Array
+
+    @property
+    def edge_count(self) -> int:
+        """Number of edges."""
+        return len(self.body)
+
+    def nodes(self, unknowns: Array) -> Array:
+        """Return the field with these unknowns, shape (2, scalar unknowns), at the nodes: (edges, order + 1, 2)."""
+        return np.einsum("eij,dej->eid", self.nodal, unknowns[:, self.dofs])
+
+    def trace(self, edge: Index, xi: Array, derivative: int = 0) -> Array:
+        """Return the factors of the unknowns ``dofs[edge]`` at `xi`; shape (points, order + 1)."""
+        return np.einsum("pi,pij->pj", self.basis.values(xi, derivative), self.nodal[edge])
+
+    def chord_normals(self, nodes: Array) -> Array:
+        """Return the outward unit normals of the chords, shape (edges, 2), at deformed nodes."""
+        chord = nodes[:, -1] - nodes[:, 0]
+        normal = np.column_stack([chord[:, 1], -chord[:, 0]]) * self.side[:, None]
+        return np.asarray(normal / np.linalg.norm(normal, axis=1)[:, None])
+
+    @cached_property
+    def station_values(self) -> Array:
+        """Lagrange polynomials at the quadrature points, shape (points, order + 1)."""
+        return self.basis.values(self.stations)
+
+
+def find_walls(bodies: BodyMesh, scalar_space: ngsolve.H1, rest: Array) -> Walls:
+    """Collect the walls of all bodies.
+
+    Parameters
+    ----------
+    bodies : BodyMesh
+        The mesh; its `wall_names` say which boundaries are walls.
+    scalar_space : ngsolve.H1
+        Space of one displacement component.
+    rest : array of float, shape (2, scalar unknowns)
+        Reference coordinates as unknowns of that space.
+    """
+    mesh, order = bodies.mesh, scalar_space.globalorder
+    basis = Lagrange(order)
+    elements = list(mesh.Boundaries(bodies.wall_names).Elements())
+    dofs = np.array([scalar_space.GetDofNrs(element) for element in elements], dtype=np.int64)
+    nodal = np.array([_sampled_shapes(scalar_space, element, basis) for element in elements])
+    behind = np.array([mesh[element.edges[0]].elements[0].nr for element in elements])
+    nodes = np.einsum("eij,dej->eid", nodal, rest[:, dofs])
+    stations, gauss = _gauss(order + 1)
+    speed = np.linalg.norm(np.einsum("pi,eid->epd", basis.values(stations, 1), nodes), axis=2)
+    length = (gauss * speed).sum(1)
+    area, centre = _areas_and_centres(mesh, behind)
+    tangent = nodes[:, -1] - nodes[:, 0]
+    outward = nodes.mean(1) - centre
+    turned = tangent[:, 1] * outward[:, 0] - tangent[:, 0] * outward[:, 1]
+    return Walls(
+        body=bodies.body_of_element[behind],
+        dofs=dofs,
+        nodal=nodal,
+        side=np.sign(turned),
+        basis=basis,
+        stations=stations,
+        weights=gauss * speed,
+        depth=area / length,
+        rest=nodes,
+    )
+
+
+def _sampled_shapes(space: ngsolve.H1, element: ngsolve.comp.Ngs_Element, basis: Lagrange) -> Array:
+    shape = space.GetFE(ngsolve.ElementId(ngsolve.BND, element.nr)).CalcShape
+    return np.array([np.asarray(shape(xi)).ravel() for xi in basis.nodes])
+
+
+def _gauss(count: int) -> tuple[Array, Array]:
+    points, weights = np.polynomial.legendre.leggauss(count)
+    return (points + 1) / 2, weights / 2
+
+
+def _areas_and_centres(mesh: ngsolve.Mesh, numbers: Index) -> tuple[Array, Array]:
+    area = ngsolve.Integrate(ngsolve.CF(1), mesh, element_wise=True).NumPy()[numbers]
+    elements = (mesh[ngsolve.ElementId(ngsolve.VOL, int(number))] for number in numbers)
+    centre = [np.mean([mesh[vertex].point for vertex in element.vertices], axis=0) for element in elements]
+    return area, np.array(centre)

@@ -1,0 +1,57 @@
+"""The mesh of many separate bodies: what every later room is told about the geometry.
+
+Bodies share no node, not even where their walls coincide. Boundary edges are of three sorts: *walls*, which may
+touch another body, *supports*, whose displacement is prescribed, and the rest, for instance a lumen. A support
+may be a wall as well.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import ngsolve
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class BodyMesh:
+    """Separate bodies in one NGSolve mesh.
+
+    Attributes
+    ----------
+    mesh : ngsolve.Mesh
+        All bodies; no two share a vertex.
+    body_of_element : array of int, shape (elements,)
+        Body that each volume element belongs to.
+    body_names : tuple of str
+        Names of the bodies, by number.
+    wall_names : str
+        Regular expression of the boundary regions that may touch another body.
+    length : float
+        The length that sets the scale of a body [length]: a cell's side.
+    thickness : float
+        The smallest thickness of a body [length]: a cell's wall. Overlaps are judged against it.
+    """
+
+    mesh: ngsolve.Mesh
+    body_of_element: NDArray[np.int64]
+    body_names: tuple[str, ...]
+    wall_names: str
+    length: float
+    thickness: float
+    extent: NDArray[np.float64] = field(init=False)
+
+    def __post_init__(self) -> None:
+        points = np.array([vertex.point for vertex in self.mesh.vertices])
+        object.__setattr__(self, "extent", np.array([points.min(0), points.max(0)]))
+
+    @property
+    def body_count(self) -> int:
+        """Number of bodies."""
+        return len(self.body_names)
+
+    @property
+    def dimension(self) -> int:
+        """Space dimension of the mesh."""
+        return int(self.mesh.dim)

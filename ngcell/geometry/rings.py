@@ -1,0 +1,134 @@
+"""Hollow hexagonal cells as rings of quadrilaterals, written straight into a Netgen mesh.
+
+A structured ring needs a fifth of the unknowns of a triangulation with the same bending error, matches its
+neighbours node by node, and takes milliseconds. Coincident walls carry coincident but separate nodes.
+
+A corner radius rounds the outer wall only; the arc is resolved by straight edges (`ARC_EDGES` to half a corner),
+which lie inside the true arc by at most ``radius (1 - cos(pi / 24))``, under one percent of the radius.
+"""
+
+from __future__ import annotations
+
+import ngsolve
+import numpy as np
+from netgen.meshing import Mesh
+from numpy.typing import NDArray
+
+from ngcell.geometry.bodies import BodyMesh
+from ngcell.geometry.lattice import WALLS, Lattice
+
+ARC_EDGES = 2
+
+Array = NDArray[np.float64]
+
+
+def wall_stations(side: float, radius: float, edges: int) -> Array:
+    """Return where nodes sit along one wall of the sharp hexagon, in [-1/2, 1/2) of the side.
+
+    With a radius the ends of the straight part are stations, and `ARC_EDGES` edges follow to each corner.
+    """
+    arc = radius / np.sqrt(3) / side
+    straight = np.linspace(arc - 0.5, 0.5 - arc, edges + 1)
+    if arc == 0:
+        return straight[:-1]
+    start = np.linspace(-0.5, arc - 0.5, ARC_EDGES + 1)[:-1]
+    return np.concatenate([start, straight, -start[:0:-1]])
+
+
+def ring_layers(lattice: Lattice, *, wall: float, radius: float, edges: int, layers: int) -> Array:
+    """Return the nodes of one cell about its centre, outermost layer first; shape (layers + 1, nodes, 2)."""
+    stations = wall_stations(lattice.side, radius, edges)
+    corners = lattice.corners
+    along = (np.roll(corners, -1, axis=0) - corners)[:, None] * (stations + 0.5)[:, None]
+    sharp = (corners[:, None] + along).reshape(-1, 2)
+    inner = sharp * (1 - wall / lattice.apothem)
+    outer = _round_corners(sharp, lattice, radius)
+    share = np.linspace(0, 1, layers + 1)[:, None, None]
+    return np.asarray((1 - share) * outer + share * inner)
+
+
+def _round_corners(sharp: Array, lattice: Lattice, radius: float) -> Array:
+    """Move the points of the sharp hexagon that a corner radius cuts off onto the arc, towards its centre."""
+    if radius == 0:
+        return sharp
+    nearest = lattice.corners[np.argmax(sharp @ lattice.corners.T, axis=1)]
+    centre = nearest * (1 - 2 * radius / np.sqrt(3) / lattice.side)
+    ray = sharp - centre
+    tangent_length = radius / np.sqrt(3)
+    cut_off = np.linalg.norm(sharp - nearest, axis=1) < tangent_length * (1 - 1e-9)
+    on_arc = centre + radius * ray / np.linalg.norm(ray, axis=1)[:, None]
+    return np.where(cut_off[:, None], on_arc, sharp)
+
+
+def ring_mesh(
+    lattice: Lattice,
+    *,
+    wall: float,
+    radius: float,
+    edges: int,
+    layers: int,
+    supports: dict[str, NDArray[np.bool_]],
+) -> BodyMesh:
+    """Return the mesh of all cells.
+
+    Parameters
+    ----------
+    lattice : Lattice
+        Where the cells sit.
+    wall, radius : float
+        Wall thickness and corner radius [length].
+    edges, layers : int
+        Elements along the straight part of a wall and through it.
+    supports : dict of str to array of bool, shape (cells, 6)
+        Walls that belong to each support; the names become boundary regions. The other outer walls form the
+        region ``wall``, the inner ones ``lumen``.
+    """
+    ring = ring_layers(lattice, wall=wall, radius=radius, edges=edges, layers=layers)
+    cells, nodes = len(lattice.centres), ring.shape[1]
+    points = (lattice.centres[:, None, None] + ring).reshape(-1, 2)
+    first_node = ring.shape[0] * nodes * np.arange(cells)
+    layer = np.arange((layers + 1) * nodes).reshape(layers + 1, nodes)
+    quads = _ring_quads(layer)
+    mesh = Mesh()
+    mesh.dim = 2
+    mesh.AddPoints(np.ascontiguousarray(points))
+    for cell, first in enumerate(first_node):
+        region = mesh.AddRegion(f"cell{cell}", dim=2)
+        mesh.AddElements(dim=2, index=region, data=_int32(quads + first), base=0)
+    outer = np.stack([layer[0], np.roll(layer[0], -1)], axis=-1).reshape(WALLS, -1, 2)
+    inner = np.stack([np.roll(layer[-1], -1), layer[-1]], axis=-1)
+    _add_edges(mesh, "lumen", first_node[:, None, None] + inner)
+    unsupported = np.ones((cells, WALLS), dtype=bool)
+    for name, member in supports.items():
+        unsupported &= ~member
+        _add_walls(mesh, name, member, outer, first_node)
+    _add_walls(mesh, "wall", unsupported, outer, first_node)
+    return BodyMesh(
+        mesh=ngsolve.Mesh(mesh),
+        body_of_element=np.repeat(np.arange(cells), len(quads)),
+        body_names=tuple(f"cell{cell}" for cell in range(cells)),
+        wall_names="|".join(["wall", *supports]),
+        length=lattice.side,
+        thickness=wall,
+    )
+
+
+def _ring_quads(layer: NDArray[np.int64]) -> NDArray[np.int64]:
+    outer, inner = layer[:-1], layer[1:]
+    corners = [outer, np.roll(outer, -1, axis=1), np.roll(inner, -1, axis=1), inner]
+    return np.stack(corners, axis=-1).reshape(-1, 4)
+
+
+def _add_walls(mesh: Mesh, name: str, member: NDArray, outer: NDArray, first_node: NDArray) -> None:
+    cell, wall = np.nonzero(member)
+    _add_edges(mesh, name, outer[wall] + first_node[cell][:, None, None])
+
+
+def _add_edges(mesh: Mesh, name: str, edges: NDArray) -> None:
+    if edges.size:
+        region = mesh.AddRegion(name, dim=1)
+        mesh.AddElements(dim=1, index=region, data=_int32(edges.reshape(-1, 2)), base=0)
+
+
+def _int32(numbers: NDArray) -> NDArray[np.int32]:
+    return np.ascontiguousarray(numbers, dtype=np.int32)

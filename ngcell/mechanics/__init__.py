@@ -1,0 +1,1 @@
+"""Unknowns, stored energies and ties: what a state of the bodies costs."""

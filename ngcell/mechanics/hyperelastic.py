@@ -1,0 +1,76 @@
+"""Hyperelastic laws as symbolic stored energies, and their stresses in closed form.
+
+Mooney-Rivlin with the isochoric split, in the constants of the source work (note the halves):
+
+    W = c1/2 (I1* - 3) + c2/2 (I2* - 3) + kappa/2 (ln J)^2,   I1* = J^(-2/3) I1,  I2* = J^(-4/3) I2.
+
+The shear modulus at rest is ``c1 + c2``, the bulk modulus kappa. FEBio's "Mooney-Rivlin" writes c1 (I1* - 3) and
+c2 (I2* - 3): its constants are half of ours, its k equals kappa (uncoupled, U = k/2 (ln J)^2).
+
+The energy is written with scalar entries on purpose: NGSolve's compiled integrator is four times faster than on
+matrix expressions.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import ngsolve
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class MooneyRivlinLaw:
+    """A Mooney-Rivlin solid.
+
+    Attributes
+    ----------
+    c1, c2 : float
+        Constants [stress], c1 > 0, c2 >= 0; c2 = 0 is neo-Hookean.
+    bulk_modulus : float
+        kappa [stress], > 0.
+    """
+
+    c1: float
+    c2: float
+    bulk_modulus: float
+
+    @property
+    def shear_modulus(self) -> float:
+        """Shear modulus at rest [stress]."""
+        return self.c1 + self.c2
+
+    @property
+    def plane_strain_modulus(self) -> float:
+        """Modulus E / (1 - nu^2) of a plane-strain half-space at rest [stress]."""
+        mu, kappa = self.shear_modulus, self.bulk_modulus
+        return 4 * mu * (3 * kappa + mu) / (3 * kappa + 4 * mu)
+
+    def stored_energy(self, gradient: ngsolve.CoefficientFunction) -> ngsolve.CoefficientFunction:
+        """Return W [stress] of a deformation gradient, shape (2, 2) for plane strain."""
+        xx, xy, yx, yy = (gradient[i, j] for i in range(2) for j in range(2))
+        square = xx * xx + xy * xy + yx * yx + yy * yy
+        jacobian = xx * yy - xy * yx
+        log_jacobian = ngsolve.log(jacobian)
+        scale = ngsolve.exp(-2 / 3 * log_jacobian)
+        first = scale * (square + 1)
+        second = scale * scale * (square + jacobian * jacobian)
+        volumetric = self.bulk_modulus / 2 * log_jacobian * log_jacobian
+        return self.c1 / 2 * (first - 3) + self.c2 / 2 * (second - 3) + volumetric
+
+    def cauchy_stress(self, gradient: Array) -> Array:
+        """Return the Cauchy stress [stress], shape (n, 3, 3), of deformation gradients of shape (n, 3, 3).
+
+        ``sigma = dev(c1 b* + c2 (I1* b* - b* b*)) / J + kappa ln(J) / J`` with ``b* = J^(-2/3) F F^T``.
+        """
+        jacobian = np.linalg.det(gradient)[:, None, None]
+        left = gradient @ gradient.transpose(0, 2, 1) / np.cbrt(jacobian) ** 2
+        trace = np.trace(left, axis1=1, axis2=2)[:, None, None]
+        stretch = self.c1 * left + self.c2 * (trace * left - left @ left)
+        mean = np.trace(stretch, axis1=1, axis2=2)[:, None, None] / 3
+        return np.asarray(
+            (stretch + (self.bulk_modulus * np.log(jacobian) - mean) * np.eye(3)) / jacobian
+        )

@@ -1,0 +1,110 @@
+"""The displacement unknowns, laid out component by component: u_x of all scalar unknowns, then u_y.
+
+A displacement that is affine in the reference coordinates is, in the unknowns, the same affine map of the
+coordinates' own unknowns; it is imposed and recognised exactly, bubbles included.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import ngsolve
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from ngcell.geometry.bodies import BodyMesh
+
+Array = NDArray[np.float64]
+
+
+class DisplacementSpace:
+    """Continuous displacements on separate bodies.
+
+    Parameters
+    ----------
+    bodies : BodyMesh
+        The mesh.
+    order : int
+        Polynomial order, >= 1.
+
+    Attributes
+    ----------
+    scalar : ngsolve.H1
+        Space of one component, with `size` unknowns.
+    vector : ngsolve.VectorH1
+        Space of displacements, with `dimension` times `size` unknowns.
+    """
+
+    def __init__(self, bodies: BodyMesh, order: int) -> None:
+        self.bodies = bodies
+        self.order = order
+        self.scalar = ngsolve.H1(bodies.mesh, order=order)
+        self.vector = ngsolve.VectorH1(bodies.mesh, order=order)
+        self.size = self.scalar.ndof
+        self.dimension = bodies.dimension
+
+    @property
+    def unknowns(self) -> int:
+        """Number of unknowns."""
+        return int(self.dimension * self.size)
+
+    @cached_property
+    def rest(self) -> Array:
+        """Reference coordinates as unknowns, shape (dimension, size) [length]."""
+        field = ngsolve.GridFunction(self.scalar)
+        rows = []
+        for coordinate in (ngsolve.x, ngsolve.y, ngsolve.z)[: self.dimension]:
+            field.Set(coordinate)
+            rows.append(field.vec.FV().NumPy().copy())
+        return np.array(rows)
+
+    @cached_property
+    def one(self) -> Array:
+        """The constant 1 as unknowns, shape (size,): bubbles are 0."""
+        values = np.zeros(self.size)
+        values[: self.bodies.mesh.nv] = 1
+        return values
+
+    @cached_property
+    def body_of_unknown(self) -> NDArray[np.int64]:
+        """Body that each scalar unknown belongs to, shape (size,)."""
+        body = np.zeros(self.size, dtype=np.int64)
+        for element, number in zip(
+            self.bodies.mesh.Elements(ngsolve.VOL), self.bodies.body_of_element, strict=True
+        ):
+            body[list(self.scalar.GetDofNrs(element))] = number
+        return body
+
+    @cached_property
+    def scalar_mass(self) -> sparse.csr_array:
+        """Mass matrix of one component [length**dimension], shape (size, size)."""
+        trial, test = self.scalar.TnT()
+        form = ngsolve.BilinearForm(self.scalar)
+        form += trial * test * ngsolve.dx
+        form.Assemble()
+        return csr_matrix(form.mat)
+
+    def region_unknowns(self, names: str) -> NDArray[np.int64]:
+        """Return the scalar unknowns on the boundary regions that the regular expression names."""
+        marked = self.scalar.GetDofs(self.bodies.mesh.Boundaries(names))
+        return np.flatnonzero(np.fromiter(marked, dtype=bool, count=self.size))
+
+    def affine(self, gradient: Array, shift: Array) -> Array:
+        """Return ``gradient @ X + shift`` as unknowns, shape (dimension, size)."""
+        return np.asarray(gradient @ self.rest + shift[:, None] * self.one)
+
+    def function(self, displacement: Array) -> ngsolve.GridFunction:
+        """Return the displacement with these unknowns as an NGSolve function."""
+        function = ngsolve.GridFunction(self.vector)
+        function.vec.FV().NumPy()[:] = displacement.ravel()
+        return function
+
+
+def csr_matrix(matrix: ngsolve.la.BaseMatrix) -> sparse.csr_array:
+    """Return a copy of an NGSolve sparse matrix."""
+    values, columns, pointer = matrix.CSR()
+    return sparse.csr_array(
+        (np.array(values), np.array(columns, dtype=np.int64), np.array(pointer, dtype=np.int64)),
+        shape=(matrix.height, matrix.width),
+    )

@@ -1,0 +1,94 @@
+"""What is prescribed: supports, and the displacement they have at each load factor.
+
+A support moves a boundary region by an affine map of the reference position, which grows in proportion to the load
+factor. The *carried field* is where the load would take all bodies if they followed it like a sheet: it starts
+minimisations, and anchors those cells that nothing holds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ngcell.mechanics.space import DisplacementSpace
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Support:
+    """A boundary region with prescribed displacement ``load_factor * (gradient @ X + shift)``.
+
+    Attributes
+    ----------
+    region : str
+        Name of the boundary region, or a regular expression.
+    gradient : array of float, shape (dimension, dimension)
+        Displacement gradient at load factor 1, without unit.
+    shift : array of float, shape (dimension,)
+        Displacement of the origin at load factor 1 [length].
+    components : tuple of bool
+        Which components are prescribed; the others are free.
+    """
+
+    region: str
+    gradient: Array
+    shift: Array
+    components: tuple[bool, ...] = (True, True)
+
+
+class PrescribedMotion:
+    """All supports of a scene.
+
+    Parameters
+    ----------
+    space : DisplacementSpace
+        The unknowns.
+    supports : sequence of Support
+        The supports; where two meet, the later one counts.
+    carried : callable, optional
+        Displacement at load factor 1 of reference positions, both of shape (dimension, n): the carried field inside the
+        tissue. By default there is none, and bodies start where they were.
+    """
+
+    def __init__(
+        self,
+        space: DisplacementSpace,
+        supports: Sequence[Support],
+        carried: Callable[[Array], Array] | None = None,
+    ) -> None:
+        self._space = space
+        self.supports = tuple(supports)
+        self.fixed = np.zeros((space.dimension, space.size), dtype=bool)
+        self._final = np.zeros((space.dimension, space.size))
+        self._carried = None if carried is None else carried(space.rest) * space.one
+        for support in supports:
+            unknowns = space.region_unknowns(support.region)
+            motion = space.affine(np.asarray(support.gradient, float), np.asarray(support.shift, float))
+            for axis in np.flatnonzero(support.components):
+                self.fixed[axis, unknowns] = True
+                self._final[axis, unknowns] = motion[axis, unknowns]
+
+    @property
+    def has_carried_field(self) -> bool:
+        """Whether the load determines a carried field."""
+        return self._carried is not None
+
+    def imposed(self, displacement: Array, load_factor: float) -> Array:
+        """Return a displacement with the prescribed values of this load factor in place."""
+        moved = displacement.reshape(self.fixed.shape).copy()
+        moved[self.fixed] = load_factor * self._final[self.fixed]
+        return moved.ravel()
+
+    def carried(self, load_factor: float) -> Array:
+        """Return the carried field at this load factor, shape (unknowns,)."""
+        field = np.zeros(self.fixed.shape) if self._carried is None else load_factor * self._carried
+        return self.imposed(field, load_factor)
+
+    def resultant(self, force: Array, region: str) -> Array:
+        """Return the sum of nodal forces over a region, shape (dimension,)."""
+        unknowns = self._space.region_unknowns(region)
+        return np.asarray((force.reshape(self.fixed.shape) * self._space.one)[:, unknowns].sum(1))

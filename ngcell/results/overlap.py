@@ -1,0 +1,124 @@
+"""How deep bodies lie inside each other, found from their outlines alone.
+
+This shares nothing with the contact search: wall edges are chained by common unknowns to closed outlines,
+each body becomes a polygon, and points of every wall are tested against the polygons of all other bodies. An
+outline's holes count only where they are walls. A hollow cell whose lumen is no wall is filled: a cell that
+it swallowed overlaps it.
+
+A polygon follows each edge by `_CHORDS` chords, so a depth is right to about the edge's bulge / `_CHORDS`**2.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from ngcell.contact.walls import Walls
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+#: Straight pieces that stand for one curved edge.
+_CHORDS = 16
+
+
+def deepest_overlap(walls: Walls, nodes: Array) -> float:
+    """Return the largest depth [length], >= 0, by which a wall point of a body lies inside another body.
+
+    Parameters
+    ----------
+    walls : Walls
+        The walls.
+    nodes : array of float, shape (edges, order + 1, 2)
+        Deformed positions of their Lagrange nodes [length].
+
+    Notes
+    -----
+    A depth is the distance to the nearest wall of the body that the point lies in. Each edge has
+    `2 order + 1` points; a tip of another shape between them is not seen. A body whose outer boundary is not
+    wholly walls has no inside here: its points are tested, but none is tested against it.
+    """
+    bodies, polygons = _polygons(walls, nodes)
+    places, owner = _wall_points(walls, nodes)
+    place, polygon = shapely.STRtree(polygons).query(shapely.points(places))
+    foreign = owner[place] != bodies[polygon]
+    place, polygon = place[foreign], polygon[foreign]
+    shapely.prepare(polygons)
+    inside = shapely.contains_xy(polygons[polygon], *places[place].T)
+    outlines = shapely.boundary(polygons)[polygon[inside]]
+    depth = shapely.distance(outlines, shapely.points(places[place[inside]]))
+    return float(depth.max(initial=0.0))
+
+
+def _wall_points(walls: Walls, nodes: Array) -> tuple[Array, Index]:
+    """Return points of all walls, shape (points, 2), and the body of each."""
+    count = 2 * walls.basis.order + 1
+    values = walls.basis.values(np.linspace(0, 1, count))
+    return (values @ nodes).reshape(-1, 2), np.repeat(walls.body, count)
+
+
+def _polygons(walls: Walls, nodes: Array) -> tuple[Index, NDArray[np.object_]]:
+    """Return the bodies with a closed outline, shape (bodies,), and their deformed polygons."""
+    chords = 1 if walls.basis.order == 1 else _CHORDS
+    values = walls.basis.values(np.linspace(0, 1, chords + 1)[:-1])
+    lines = values @ _anticlockwise(walls, nodes)
+    shells, holes = _outlines(walls)
+    polygons = [
+        shapely.Polygon(lines[shell].reshape(-1, 2), [lines[hole].reshape(-1, 2) for hole in holes[body]])
+        for body, shell in shells.items()
+    ]
+    return np.array(list(shells), dtype=np.int64), np.array(polygons, dtype=object)
+
+
+def _outlines(walls: Walls) -> tuple[dict[int, Index], dict[int, list[Index]]]:
+    """Return the edges around each body in order, and those around its holes.
+
+    A loop with the body on its left runs anticlockwise around the body, and clockwise around a hole.
+    """
+    corners = _anticlockwise(walls, walls.rest)[:, 0]
+    shells: dict[int, Index] = {}
+    holes: dict[int, list[Index]] = defaultdict(list)
+    for loop in _closed_loops(walls):
+        body = int(walls.body[loop[0]])
+        if _signed_area(corners[loop]) > 0:
+            shells[body] = loop
+        else:
+            holes[body].append(loop)
+    return shells, holes
+
+
+def _closed_loops(walls: Walls) -> list[Index]:
+    following = _following(walls).tolist()
+    unseen = dict.fromkeys(range(walls.edge_count))
+    loops = []
+    while unseen:
+        chain = [unseen.popitem()[0]]
+        while following[chain[-1]] in unseen:
+            chain.append(following[chain[-1]])
+            del unseen[chain[-1]]
+        if following[chain[-1]] == chain[0]:
+            loops.append(np.array(chain))
+    return loops
+
+
+def _following(walls: Walls) -> Index:
+    """Return the edge that starts where each edge ends, with its body on the left, or -1; shape (edges,)."""
+    ends = np.abs(walls.nodal[:, [0, -1]]).argmax(2)  # only the unknown of a vertex is not 0 there
+    vertex = np.take_along_axis(walls.dofs, ends, axis=1)
+    start, end = np.where(walls.side[:, None] > 0, vertex, vertex[:, ::-1]).T
+    starting = np.full(walls.dofs.max(initial=-1) + 1, -1)
+    starting[start] = np.arange(walls.edge_count)
+    return np.asarray(starting[end])
+
+
+def _anticlockwise(walls: Walls, nodes: Array) -> Array:
+    """Return the nodes of each edge in the order that has its body on the left."""
+    return np.where(walls.side[:, None, None] > 0, nodes, nodes[:, ::-1])
+
+
+def _signed_area(corners: Array) -> float:
+    following = np.roll(corners, -1, axis=0)
+    return float(np.sum(corners[:, 0] * following[:, 1] - corners[:, 1] * following[:, 0])) / 2

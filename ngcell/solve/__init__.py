@@ -1,0 +1,1 @@
+"""Minimisation of an energy, load stepping and the two strategies; knows problems only by protocol."""

@@ -1,0 +1,105 @@
+"""A symmetric matrix with a lasting pattern, factorised in place.
+
+NGSolve's `sparsecholesky` reads the lower triangle only and reuses its symbolic factor while the matrix object stays
+the same. Building a matrix from coordinates costs more than several factorisations, so the pattern is made once, with
+room for all contacts that are near, and only values are written afterwards. The factorisation does not pivot and
+does not tell a matrix that is not positive definite: the caller judges directions, not factors.
+"""
+
+from __future__ import annotations
+
+import ngsolve
+import ngsolve.la
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+class PatternError(Exception):
+    """An entry lies outside the pattern; the matrix has to be made anew."""
+
+
+class SymmetricMatrix:
+    """Lower triangle of a symmetric matrix.
+
+    Parameters
+    ----------
+    size : int
+        Number of rows.
+    free : array of bool, shape (size,)
+        Rows that are solved for.
+    rows, columns : array of int
+        Entries of the lower triangle, repetitions allowed.
+    """
+
+    def __init__(self, size: int, free: NDArray[np.bool_], rows: Index, columns: Index) -> None:
+        self.size = size
+        self._keys = np.unique(rows * size + columns)
+        row, column = np.divmod(self._keys, size)
+        self._matrix = ngsolve.la.SparseMatrixd.CreateFromCOO(
+            row.astype(np.int32), column.astype(np.int32), np.zeros(len(row)), size, size
+        )
+        self._values = np.asarray(self._matrix.CSR()[0])
+        pointer = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=size))])
+        self._lower = sparse.csr_array((np.zeros(len(row)), column, pointer), shape=(size, size))
+        self._diagonal = np.flatnonzero(row == column)
+        self._diagonal_rows = row[self._diagonal]
+        self._free = ngsolve.BitArray(size)
+        self._free.Clear()
+        for number in np.flatnonzero(free):
+            self._free.Set(int(number))
+        self._inverse: ngsolve.BaseMatrix | None = None
+        self._right = self._matrix.CreateColVector()
+        self._left = self._matrix.CreateColVector()
+
+    @property
+    def entry_count(self) -> int:
+        """Number of entries of the pattern."""
+        return len(self._keys)
+
+    def locate(self, rows: Index, columns: Index) -> Index:
+        """Return the positions of entries in the array of values.
+
+        Raises
+        ------
+        PatternError
+            If an entry is not part of the pattern.
+        """
+        wanted = rows * self.size + columns
+        position = np.minimum(np.searchsorted(self._keys, wanted), len(self._keys) - 1)
+        if not (self._keys[position] == wanted).all():
+            raise PatternError
+        return position
+
+    def add(self, values: Array, matrix: sparse.sparray) -> Array:
+        """Return `values` plus the lower triangle of a sparse matrix."""
+        part = sparse.tril(matrix).tocsr().tocoo()
+        row, column = (index.astype(np.int64) for index in part.coords)
+        position = self.locate(row, column)
+        total = values.copy()
+        total[position] += part.data
+        return total
+
+    def factorise(self, values: Array) -> None:
+        """Factorise the matrix with these values."""
+        self._values[:] = values
+        if self._inverse is None:
+            self._inverse = self._matrix.Inverse(self._free, "sparsecholesky")
+        else:
+            self._inverse.Update()
+
+    def solve(self, right: Array) -> Array:
+        """Return the solution of the factorised system; 0 in rows that are not free."""
+        self._right.FV().NumPy()[:] = right
+        self._inverse.Mult(self._right, self._left)
+        return self._left.FV().NumPy().copy()
+
+    def multiply(self, values: Array, vector: Array) -> Array:
+        """Return the product of the symmetric matrix with these values and a vector."""
+        self._lower.data = values
+        product = self._lower @ vector + self._lower.T @ vector
+        product[self._diagonal_rows] -= values[self._diagonal] * vector[self._diagonal_rows]
+        return np.asarray(product)

@@ -1,0 +1,256 @@
+"""Descent to a minimum of an energy with one-sided springs: Newton's method with a proximal term.
+
+Each iteration minimises the second-order model of the energy plus ``shift/2 |d|^2`` in the mass norm. A step is taken if
+the energy falls by a fair share of what the model foresaw; if not, or if the model is not convex along it, the shift is
+raised and the model, still at hand, is minimised again. The shift falls with every good step and is
+exactly zero at the end, so it leaves no trace in the result. No component of a step is longer than `longest_step`: half of
+the distance in which contact is searched, so that no wall is passed unseen.
+
+Near the minimum differences of energies drown in round-off. There the model alone is trusted.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from ngcell.clock import Clock
+from ngcell.solve.linear import SymmetricMatrix
+from ngcell.solve.problem import Linearisation, Problem, State
+from ngcell.solve.springs import SpringModel, minimum_of_springs
+
+Array = NDArray[np.float64]
+
+#: Share of the foreseen decrease below which a step is refused, and above which the shift falls.
+POOR, FAIR = 1e-4, 0.25
+#: Factors of the shift after a refused, a poor and a good step.
+RAISE, NUDGE, LOWER = 8.0, 2.0, 0.1
+#: Shares of a step's slope at which a shift is felt along the step, and at which it is not.
+FELT, UNFELT = 0.1, 1e-4
+#: Differences of energies below this share of the energy are round-off; so are decrements below `NO_DECREMENT`.
+ROUND_OFF, NO_DECREMENT = 1e-13, 1e-18
+#: Gap, as a share of the longest step, below which a prediction keeps walls closed.
+TOUCHING = 1e-6
+MOST_REFUSALS = 25
+#: Room for contacts to come, in longest steps: a wider one means fewer, but fuller matrices.
+MARGIN = 3.0
+
+
+class Ending(Enum):
+    """How a minimisation ended."""
+
+    CONVERGED = "converged"
+    TOO_MANY_ITERATIONS = "too many iterations"
+    NO_DESCENT = "no step lowers the energy"
+    NO_ENERGY = "elements are inverted at the start"
+
+
+@dataclass
+class Effort:
+    """What was spent."""
+
+    iterations: int = 0
+    factorisations: int = 0
+    evaluations: int = 0
+    refusals: int = 0
+    patterns: int = 0
+
+    def __sub__(self, other: Effort) -> Effort:
+        return Effort(**{name: getattr(self, name) - getattr(other, name) for name in vars(self)})
+
+    def copy(self) -> Effort:
+        """Return a copy that no longer changes."""
+        return Effort(**vars(self))
+
+
+@dataclass(frozen=True, eq=False)
+class Tether:
+    """Weak springs to an anchor: ``strength/2 |u - anchor|^2`` in the mass norm.
+
+    Attributes
+    ----------
+    strength : float
+        Stiffness per reference volume [stress / length**2], >= 0.
+    anchor : array of float, shape (unknowns,)
+        Where the springs are at rest [length].
+    """
+
+    strength: float
+    anchor: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Minimum:
+    """Where a minimisation ended.
+
+    Attributes
+    ----------
+    state : State
+        The last accepted state.
+    ending : Ending
+        How it ended.
+    decrement : float
+        Newton decrement ``g K^-1 g`` [energy] of the last step.
+    """
+
+    state: State
+    ending: Ending
+    decrement: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Advance:
+    """The next iterate, the shift to go on with, the decrement, and the shift that led here."""
+
+    state: State
+    shift: float
+    decrement: float
+    shift_used: float
+
+
+@dataclass
+class Minimiser:
+    """Minimises one problem again and again, keeping its matrix.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is minimised.
+    longest_step : float
+        Largest change of a displacement unknown in one iteration [length].
+    energy_scale : float
+        An energy beside which that of an undeformed state is nothing: a modulus times the volume [energy].
+    most_iterations : int
+        Limit of one minimisation.
+    clock : Clock
+        Where the seconds are added up.
+    """
+
+    problem: Problem
+    longest_step: float
+    energy_scale: float
+    most_iterations: int = 200
+    clock: Clock = field(default_factory=Clock)
+    effort: Effort = field(default_factory=Effort)
+    _matrix: SymmetricMatrix | None = None
+
+    def minimise(self, start: Array, tether: Tether, tolerance: float = 0.0) -> Minimum:
+        """Descend from `start` until the Newton decrement is below `tolerance` [energy], or lost in round-off."""
+        state, shift, decrement = self._at(start), 0.0, float("inf")
+        if not np.isfinite(state.energy):
+            return Minimum(state, Ending.NO_ENERGY, decrement)
+        for _ in range(self.most_iterations):
+            self.effort.iterations += 1
+            advance = self._descend(state, tether, shift)
+            if advance is None:
+                return Minimum(state, Ending.NO_DESCENT, decrement)
+            state, shift, decrement = advance.state, advance.shift, advance.decrement
+            if advance.shift_used == 0 and decrement <= max(tolerance, self._round_off(state)):
+                return Minimum(state, Ending.CONVERGED, decrement)
+        return Minimum(state, Ending.TOO_MANY_ITERATIONS, decrement)
+
+    def predict(self, displacement: Array, imposed: Array, weight: float) -> Array:
+        """Return the displacement that follows, to first order, when prescribed values jump to those of `imposed`.
+
+        Walls that touch stay closed; `weight` [stress / length**2] holds what else would float.
+        """
+        state = self._at(displacement)
+        jump = np.where(self.problem.free, 0.0, imposed - displacement)
+        model = self._model(state, self.problem.linearise(state), Tether(weight, displacement), 0.0)
+        touching = np.flatnonzero(model.gap <= TOUCHING * self.longest_step)
+        jacobian, spring = model.jacobian[touching], model.spring[touching]
+        values = self._matrix.add(model.stiffness, jacobian.T @ (sparse.diags_array(spring) @ jacobian))
+        self._matrix.factorise(values)
+        self.effort.factorisations += 1
+        return displacement + jump - self._matrix.solve(self._matrix.multiply(values, jump))
+
+    def tether_energy(self, displacement: Array, tether: Tether) -> float:
+        """Return the energy of a tether."""
+        away = displacement - tether.anchor
+        return 0.5 * tether.strength * float(away @ (self.problem.mass @ away))
+
+    def _round_off(self, state: State) -> float:
+        return max(NO_DECREMENT * abs(state.energy), NO_DECREMENT**1.5 * self.energy_scale)
+
+    def _at(self, displacement: Array) -> State:
+        self.effort.evaluations += 1
+        with self.clock.phase("pairs and energies"):
+            return self.problem.at(displacement)
+
+    def _descend(self, state: State, tether: Tether, shift: float) -> _Advance | None:
+        """Return the next iterate, or None if no shift makes a step that lowers the energy."""
+        with self.clock.phase("assembly"):
+            line = self.problem.linearise(state)
+        energy = state.energy + self.tether_energy(state.displacement, tether)
+        lost = ROUND_OFF * max(abs(energy), NO_DECREMENT * self.energy_scale)
+        for _ in range(MOST_REFUSALS):
+            model = self._model(state, line, tether, shift)
+            step, change = self._step(model)
+            decrement = -float(model.full_gradient() @ step)
+            if -lost < change <= 0 <= decrement:
+                return _Advance(self._at(state.displacement + step), 0.0, decrement, shift)
+            if change < 0 < decrement:
+                trial = self._at(state.displacement + step)
+                gain = energy - trial.energy - self.tether_energy(trial.displacement, tether)
+                quality = gain / -change
+                if quality > POOR:
+                    return _Advance(trial, self._relaxed(shift, quality, model, step), decrement, shift)
+            shift = max(RAISE * shift, self._weight_of(FELT, model, step))
+            self.effort.refusals += 1
+        return None
+
+    def _step(self, model: SpringModel) -> tuple[Array, float]:
+        """Return a step no longer than allowed, and the change of the model."""
+        with self.clock.phase("factorisation"):
+            step, change, rounds = minimum_of_springs(model, self._matrix)
+        self.effort.factorisations += rounds
+        longest = float(np.abs(step).max())
+        if longest > self.longest_step:
+            step = step * (self.longest_step / longest)
+            change = model.change(self._matrix, step)
+        return step, change
+
+    def _relaxed(self, shift: float, quality: float, model: SpringModel, step: Array) -> float:
+        """Return the shift after an accepted step; one that is not felt along the step becomes zero."""
+        unfelt = self._weight_of(UNFELT, model, step)
+        if quality < FAIR:
+            return max(NUDGE * shift, unfelt)
+        return LOWER * shift if LOWER * shift > unfelt else 0.0
+
+    def _weight_of(self, share: float, model: SpringModel, step: Array) -> float:
+        """Return the shift whose curvature along the step is this share of the model's slope along it."""
+        weight = float(step @ (self.problem.mass @ step))
+        return share * abs(float(model.full_gradient() @ step)) / max(weight, np.finfo(float).tiny)
+
+    def _model(self, state: State, line: Linearisation, tether: Tether, shift: float) -> SpringModel:
+        with self.clock.phase("assembly"):
+            self._make_room(state)
+            matrix, mass = self._matrix, self.problem.mass
+            values = np.bincount(self._bulk, weights=line.stiffness, minlength=matrix.entry_count)
+            values[self._mass] += (tether.strength + shift) * self._mass_values
+            if line.curvature is not None:
+                values = matrix.add(values, line.curvature)
+            gradient = line.gradient + tether.strength * (mass @ (state.displacement - tether.anchor))
+            gradient = np.where(self.problem.free, gradient, 0.0)
+            return SpringModel(gradient, values, line.gap, line.jacobian, line.spring, self.problem.free)
+
+    def _make_room(self, state: State) -> None:
+        """Make a matrix, or a new one when walls have moved so far that others may have come into reach."""
+        margin = MARGIN * self.longest_step
+        if self._matrix is not None and np.abs(state.displacement - self._made_at).max() <= margin / 2:
+            return
+        self.effort.patterns += 1
+        self._made_at = state.displacement
+        bulk, mass = self.problem.pattern, self.problem.mass.tocoo()
+        lower = mass.coords[0] >= mass.coords[1]
+        mass_entries = tuple(index[lower].astype(np.int64) for index in mass.coords)
+        near = self.problem.couplings(state, margin)
+        rows, columns = (np.concatenate(part) for part in zip(bulk, mass_entries, near, strict=True))
+        self._matrix = SymmetricMatrix(len(self.problem.free), self.problem.free, rows, columns)
+        self._bulk = self._matrix.locate(*bulk)
+        self._mass = self._matrix.locate(*mass_entries)
+        self._mass_values = mass.data[lower]

@@ -1,0 +1,21 @@
+"""How a run can end: a closed list, each with what happened and what to try."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+
+class Outcome(Enum):
+    """The outcomes of a run; the value is what the user reads."""
+
+    CERTIFIED = "converged and certified"
+    NOT_CERTIFIED = "converged, but a check of the certificate failed; see the certificate for which one"
+    COMPACT_FAILED = (
+        "the compact solid found no equilibrium, even in the smallest load step; "
+        "the load may be past the point where the walls buckle or elements invert: lower it, or refine the mesh"
+    )
+    RELEASE_FAILED = (
+        "the released walls found no equilibrium, even in the smallest load step; "
+        "refine the mesh (mesh.size), round the corners (tissue.corner_radius) or ask for smaller load steps"
+    )
+    STOPPED = "stopped from outside"

@@ -1,0 +1,58 @@
+"""What the solver asks of a problem, and nothing more."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+class State(Protocol):
+    """A point with its energy; whatever else the problem needs to know about it."""
+
+    @property
+    def displacement(self) -> Array:
+        """The unknowns, shape (unknowns,)."""
+
+    @property
+    def energy(self) -> float:
+        """The energy, NaN where it is not defined."""
+
+
+class Linearisation(Protocol):
+    """Second-order model about a state; see `ngcell.contact.assembly.Linearisation`."""
+
+    gradient: Array
+    stiffness: Array
+    curvature: sparse.coo_array | None
+    gap: Array
+    jacobian: sparse.csr_array
+    spring: Array
+
+
+class Problem(Protocol):
+    """An energy of many unknowns with one-sided springs."""
+
+    free: NDArray[np.bool_]
+
+    @property
+    def mass(self) -> sparse.csr_array:
+        """Weight of displacements, shape (unknowns, unknowns)."""
+
+    @property
+    def pattern(self) -> tuple[Index, Index]:
+        """Rows and columns of the lower triangle that `Linearisation.stiffness` fills."""
+
+    def at(self, displacement: Array) -> State:
+        """Return the state with this displacement."""
+
+    def linearise(self, state: State) -> Linearisation:
+        """Return the model about a state."""
+
+    def couplings(self, state: State, margin: float) -> tuple[Index, Index]:
+        """Return the entries that springs could fill while nothing moves by more than half of `margin`."""

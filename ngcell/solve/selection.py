@@ -1,0 +1,93 @@
+"""Which equilibrium is meant: the release path.
+
+Released cells may float: of all equilibria of the energy E, whole families cost the same. The one that is meant
+is the end of the path of minima of
+
+    E(u) + strength/2 |u - anchor|^2        (mass norm)
+
+from strength = infinity, where u is the anchor, to strength = 0. It follows from anchor and energy alone, not from load steps
+or from the order in which walls opened, and it is a release by a ramp: the tether gives the walls free little by little.
+In the limit, floating cells sit as near to the anchor as contact allows. The path is walked in geometric steps
+from ``FIRST`` to ``LAST`` times the stiffness scale; what the last tether still holds is measured and reported.
+
+Numbers: the scale of the strength is shear modulus over cell size squared, which makes the walk independent of units. At
+``FIRST`` the tether outweighs the bending of walls (whose stiffness is lower by (wall / side)^3), at
+``LAST`` it is below every stiffness but that of floating cells.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ngcell.solve.minimise import Ending, Minimiser, Minimum, Tether
+
+Array = NDArray[np.float64]
+
+_log = logging.getLogger(__name__)
+
+FIRST, LAST, RATIO = 10.0, 1e-7, 10.0
+#: Decrement at which a minimisation along the path, and the last one, ends: shares of the tether's energy.
+ON_THE_WAY, AT_THE_END = 1e-4, 1e-8
+
+
+@dataclass(frozen=True)
+class Release:
+    """The path's steps.
+
+    Attributes
+    ----------
+    scale : float
+        Shear modulus over squared size of a body [stress / length**2].
+    first, last, ratio : float
+        Strength at the start and at the end in units of `scale`, and the factor between steps.
+    """
+
+    scale: float
+    first: float = FIRST
+    last: float = LAST
+    ratio: float = RATIO
+
+    def strengths(self) -> Iterator[float]:
+        """Yield the strengths from first to last [stress / length**2]."""
+        steps = max(1, int(np.ceil(np.log(self.first / self.last) / np.log(self.ratio) - 1e-9)))
+        for step in range(steps + 1):
+            yield self.scale * self.first * (self.last / self.first) ** (step / steps)
+
+    def select(self, minimiser: Minimiser, start: Array, anchor: Array) -> Minimum:
+        """Walk the path and return its end; a minimisation that fails ends the walk.
+
+        Parameters
+        ----------
+        minimiser : Minimiser
+            Of the released problem.
+        start, anchor : array of float, shape (unknowns,)
+            Where the walk starts and where the tether pulls to [length].
+        """
+        minimum = None
+        strengths = list(self.strengths())
+        for strength in strengths:
+            tether = Tether(strength, anchor)
+            place = start if minimum is None else minimum.state.displacement
+            share = AT_THE_END if strength == strengths[-1] else ON_THE_WAY
+            before = minimiser.effort.copy()
+            minimum = minimiser.minimise(place, tether, share * minimiser.tether_energy(place, tether))
+            spent = minimiser.effort - before
+            _log.info(
+                "tether %.0e: %s, %d iterations, %d factorisations, %d refused, energy %.8e, decrement %.0e",
+                strength / self.scale,
+                minimum.ending.value,
+                spent.iterations,
+                spent.factorisations,
+                spent.refusals,
+                minimum.state.energy,
+                minimum.decrement,
+            )
+            if minimum.ending is not Ending.CONVERGED:
+                break
+        assert minimum is not None
+        return minimum

@@ -1,0 +1,176 @@
+"""Walks along the load path: each yields the steps that were accepted, and stops when one cannot be.
+
+``compact_then_released`` is SDDP, the successive deformation decomposition procedure: at each level the tissue first
+deforms as one compact solid, then its walls are released from that state, which is the anchor of the release. Compact
+states follow each other; every release starts from its own compact state, so a level does not depend on the
+levels before it.
+
+``single_step`` applies load and contact together: the anchor is the carried field of the load, and no compact solid is
+computed. Where the load determines no carried field, the state before is the anchor, and the walk is incremental.
+
+A step that fails is halved, at most `MOST_HALVINGS` times.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ngcell.solve.minimise import Effort, Ending, Minimiser, Minimum, Tether
+from ngcell.solve.outcome import Outcome
+from ngcell.solve.selection import Release
+
+Array = NDArray[np.float64]
+
+MOST_HALVINGS = 6
+
+
+class Motion(Protocol):
+    """The prescribed motion; see `ngcell.mechanics.supports.PrescribedMotion`."""
+
+    @property
+    def has_carried_field(self) -> bool:
+        """Whether the load determines a carried field."""
+
+    def imposed(self, displacement: Array, load_factor: float) -> Array:
+        """Return a displacement with the prescribed values in place."""
+
+    def carried(self, load_factor: float) -> Array:
+        """Return the carried field."""
+
+
+@dataclass(frozen=True, eq=False)
+class Accepted:
+    """An accepted step.
+
+    Attributes
+    ----------
+    phase : {"compact", "contact"}
+        What was solved.
+    load_factor : float
+        In [0, 1].
+    minimum : Minimum
+        The state and how it was reached.
+    tether : Tether
+        What still pulls at it.
+    effort : Effort
+        What it took, failures included.
+    """
+
+    phase: str
+    load_factor: float
+    minimum: Minimum
+    tether: Tether
+    effort: Effort
+
+
+class StepFailed(Exception):
+    """No equilibrium was found, even in the smallest step."""
+
+    def __init__(self, outcome: Outcome, load_factor: float) -> None:
+        super().__init__(outcome.value)
+        self.outcome = outcome
+        self.load_factor = load_factor
+
+
+def compact_then_released(
+    compact: Minimiser,
+    released: Minimiser,
+    motion: Motion,
+    release: Release,
+    *,
+    steps: Sequence[float],
+    levels: Sequence[float],
+) -> Iterator[Accepted]:
+    """Yield the compact state of every step, and after it, at the levels, the released state.
+
+    Raises
+    ------
+    StepFailed
+        If a step finds no equilibrium.
+    """
+    load, displacement = 0.0, motion.carried(0.0)
+    for target in steps:
+        step = _compact_step(compact, motion, displacement, load, target)
+        load, displacement = target, step.minimum.state.displacement
+        yield step
+        if any(np.isclose(target, level) for level in levels):
+            start = compact.problem.expand(displacement)
+            anchor = motion.carried(target) if motion.has_carried_field else start
+            yield _release(released, release, start, anchor, target)
+
+
+def _compact_step(
+    compact: Minimiser, motion: Motion, displacement: Array, load: float, target: float
+) -> Accepted:
+    before, reached, increment, halvings = compact.effort.copy(), load, target - load, 0
+    while True:
+        goal = min(reached + increment, target)
+        start = displacement + motion.carried(goal) - motion.carried(reached)
+        tether = Tether(0.0, start)
+        minimum = compact.minimise(motion.imposed(start, goal), tether)
+        if minimum.ending is Ending.CONVERGED:
+            displacement, reached = minimum.state.displacement, goal
+            if reached == target:
+                return Accepted("compact", target, minimum, tether, compact.effort - before)
+            continue
+        increment, halvings = increment / 2, halvings + 1
+        if halvings > MOST_HALVINGS:
+            raise StepFailed(Outcome.COMPACT_FAILED, goal)
+
+
+def single_step(
+    released: Minimiser,
+    motion: Motion,
+    release: Release,
+    *,
+    steps: Sequence[float],
+) -> Iterator[Accepted]:
+    """Yield the equilibrium with contact of every step.
+
+    Raises
+    ------
+    StepFailed
+        If a step finds no equilibrium.
+    """
+    load, displacement = 0.0, motion.carried(0.0)
+    for target in steps:
+        if motion.has_carried_field:
+            anchor = motion.carried(target)
+            step = _release(released, release, anchor, anchor, target)
+        else:
+            step = _incremental_step(released, motion, release, displacement, load, target)
+        load, displacement = target, step.minimum.state.displacement
+        yield step
+
+
+def _incremental_step(
+    released: Minimiser, motion: Motion, release: Release, displacement: Array, load: float, target: float
+) -> Accepted:
+    before, reached, increment, halvings = released.effort.copy(), load, target - load, 0
+    while True:
+        goal = min(reached + increment, target)
+        anchor = released.predict(displacement, motion.imposed(displacement, goal), release.scale * release.last)
+        try:
+            step = _release(released, release, anchor, anchor, goal)
+        except StepFailed:
+            increment, halvings = increment / 2, halvings + 1
+            if halvings > MOST_HALVINGS:
+                raise
+            continue
+        displacement, reached = step.minimum.state.displacement, goal
+        if reached == target:
+            return Accepted("contact", target, step.minimum, step.tether, released.effort - before)
+
+
+def _release(released: Minimiser, release: Release, start: Array, anchor: Array, load: float) -> Accepted:
+    before = released.effort.copy()
+    minimum = release.select(released, start, anchor)
+    if minimum.ending is not Ending.CONVERGED:
+        raise StepFailed(Outcome.RELEASE_FAILED, load)
+    tether = Tether(list(release.strengths())[-1], anchor)
+    return Accepted("contact", load, minimum, tether, released.effort - before)

@@ -1,0 +1,253 @@
+"""Fields of a snapshot against deformations that are known in closed form."""
+
+from __future__ import annotations
+
+import ngsolve
+import numpy as np
+import pytest
+from netgen import meshing, occ
+
+from ngcell.contact.assembly import Assembly
+from ngcell.contact.tie import tie_walls
+from ngcell.contact.walls import find_walls
+from ngcell.errors import GeometryError
+from ngcell.geometry.bodies import BodyMesh
+from ngcell.geometry.lattice import hexagonal_lattice
+from ngcell.geometry.rings import ring_mesh
+from ngcell.mechanics.bulk import BulkEnergy
+from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.space import DisplacementSpace
+from ngcell.results.fields import jacobian_range, take_snapshot
+from ngcell.results.snapshot import Snapshot
+
+ORDERS = (1, 2, 3, 4)
+SOFT, STIFF = MooneyRivlinLaw(1.0, 0.5, 10.0), MooneyRivlinLaw(3.0, 2.0, 50.0)
+STRETCHED = np.array([[1.3, 0.2], [-0.1, 0.9]])
+CORNERS = {28: 4, 22: 3}
+
+
+def rings(pointy: bool = True, cells: int = 3) -> BodyMesh:
+    lattice = hexagonal_lattice(1, cells, side=1.0, pointy=pointy)
+    return ring_mesh(lattice, wall=0.2, radius=0.1, edges=2, layers=2, supports={})
+
+
+def discs(curved: int) -> BodyMesh:
+    """Two discs of radius 1, apart, meshed with curved triangles; all of their boundary is wall."""
+    faces = [occ.Circle((x, 0), 1).Face() for x in (0.0, 3.0)]
+    for number, face in enumerate(faces):
+        face.faces.name = f"disc{number}"
+        face.edges.name = "wall"
+    shape = occ.OCCGeometry(occ.Compound(faces), dim=2)
+    mesh = ngsolve.Mesh(shape.GenerateMesh(maxh=0.8)).Curve(curved)
+    body = np.array([element.mat == "disc1" for element in mesh.Elements(ngsolve.VOL)], dtype=np.int64)
+    return BodyMesh(mesh, body, ("disc0", "disc1"), "wall", 1.0, 1.0)
+
+
+BODIES = {"pointy": lambda order: rings(), "flat": lambda order: rings(pointy=False), "discs": discs}
+
+
+@pytest.fixture(params=[(kind, order) for kind in BODIES for order in ORDERS], ids=lambda p: f"{p[0]}-{p[1]}")
+def assembly(request) -> Assembly:
+    kind, order = request.param
+    return assembled(BODIES[kind](order), order)
+
+
+def assembled(bodies: BodyMesh, order: int) -> Assembly:
+    space = DisplacementSpace(bodies, order)
+    laws = [SOFT, STIFF, SOFT][: bodies.body_count]
+    return Assembly(space, BulkEnergy(space, laws), np.zeros((2, space.size), dtype=bool))
+
+
+def snapshot(assembly: Assembly, displacement: np.ndarray, **changes) -> Snapshot:
+    walls = find_walls(assembly.space.bodies, assembly.space.scalar, assembly.space.rest)
+    nothing = np.zeros((walls.edge_count, 3))
+    given = dict(step=4, load_factor=0.5, plate_displacement=0.2, gap=nothing, contact_pressure=nothing)
+    return take_snapshot(assembly, displacement.ravel(), walls=walls, **(given | changes))
+
+
+def interpolated(assembly: Assembly, field: ngsolve.CoefficientFunction) -> np.ndarray:
+    function = ngsolve.GridFunction(assembly.space.vector)
+    function.Set(field)
+    return function.vec.FV().NumPy().copy()
+
+
+def stored_energy(law: MooneyRivlinLaw, gradient: np.ndarray) -> complex:
+    """W of a full 3 x 3 deformation gradient, from the invariants of C; takes complex entries."""
+    right = gradient.T @ gradient
+    jacobian = np.linalg.det(gradient)
+    first = np.trace(right)
+    second = (first**2 - np.trace(right @ right)) / 2
+    isochoric = law.c1 * (first * jacobian ** (-2 / 3) - 3) + law.c2 * (second * jacobian ** (-4 / 3) - 3)
+    return (isochoric + law.bulk_modulus * np.log(jacobian) ** 2) / 2
+
+
+def differentiated_stress(law: MooneyRivlinLaw, gradient: np.ndarray) -> np.ndarray:
+    """``sigma = dW/dF F^T / J``, with dW/dF by complex steps, which lose no digits."""
+    first_piola = np.zeros((3, 3))
+    for entry in np.ndindex(3, 3):
+        step = np.zeros((3, 3), dtype=complex)
+        step[entry] = 1e-30j
+        first_piola[entry] = stored_energy(law, gradient + step).imag / 1e-30
+    return first_piola @ gradient.T / np.linalg.det(gradient)
+
+
+def plane_strain(gradient: np.ndarray) -> np.ndarray:
+    full = np.eye(3)
+    full[:2, :2] = gradient
+    return full
+
+
+def cell_areas(points: np.ndarray, cells: np.ndarray, cell_type: int) -> np.ndarray:
+    x, y = points[cells[:, : CORNERS[cell_type]], :2].transpose(2, 0, 1)
+    return (x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(1) / 2
+
+
+def test_a_uniform_deformation_has_its_jacobian_and_stress_everywhere(assembly):
+    affine = assembly.space.affine(STRETCHED - np.eye(2), np.array([0.3, -0.2]))
+    bulk = snapshot(assembly, affine).bulk
+    gradient = plane_strain(STRETCHED)
+    assert bulk.point_data["J"] == pytest.approx(np.linalg.det(STRETCHED), rel=1e-9)
+    for body, law in enumerate(assembly.bulk.laws):
+        mine = np.unique(bulk.cells[bulk.cell_data["cell_id"] == body])
+        stress = differentiated_stress(law, gradient)
+        deviator = stress - np.trace(stress) / 3 * np.eye(3)
+        expected = np.tile(stress.ravel(), (len(mine), 1))
+        np.testing.assert_allclose(bulk.point_data["cauchy_stress"][mine], expected, atol=1e-8)
+        np.testing.assert_allclose(
+            bulk.point_data["von_mises"][mine], np.sqrt(1.5) * np.linalg.norm(deviator), rtol=1e-8
+        )
+
+
+def test_an_affine_displacement_is_exact_at_the_points(assembly):
+    shift = np.array([0.3, -0.2])
+    taken = snapshot(assembly, assembly.space.affine(STRETCHED - np.eye(2), shift))
+    for grid in (taken.bulk, taken.walls):
+        expected = grid.points[:, :2] @ (STRETCHED - np.eye(2)).T + shift
+        np.testing.assert_allclose(grid.point_data["displacement"][:, :2], expected, atol=1e-11)
+        assert not grid.points[:, 2].any()
+        assert not grid.point_data["displacement"][:, 2].any()
+
+
+def test_cells_cover_each_body_once_and_anticlockwise(assembly):
+    bulk = snapshot(assembly, np.zeros(assembly.space.unknowns)).bulk
+    areas = cell_areas(bulk.points, bulk.cells, bulk.cell_type)
+    assert areas.min() > 0
+    assert len(np.unique(bulk.cells)) == len(bulk.points)
+    area = ngsolve.Integrate(ngsolve.CF(1), assembly.space.bodies.mesh)
+    assert areas.sum() == pytest.approx(area, rel=1e-12 if bulk.cell_type == 28 else 0.1)  # arcs are cut off
+
+
+def test_middles_and_centres_stand_where_vtk_expects_them(assembly):
+    bulk = snapshot(assembly, np.zeros(assembly.space.unknowns)).bulk
+    count = CORNERS[bulk.cell_type]
+    corner = bulk.points[bulk.cells[:, :count]]
+    middle = (corner + np.roll(corner, -1, axis=1)) / 2
+    bulge = 1e-14 if bulk.cell_type == 28 else 0.1
+    np.testing.assert_allclose(bulk.points[bulk.cells[:, count : 2 * count]], middle, atol=bulge)
+    for centre in bulk.points[bulk.cells[:, 2 * count :]].transpose(1, 0, 2):
+        np.testing.assert_allclose(centre, corner.mean(1), atol=1e-14)
+
+
+@pytest.mark.parametrize("order", [2, 3, 4])
+@pytest.mark.parametrize("pointy", [True, False])
+def test_a_quadratic_displacement_is_exact_at_the_points(order, pointy):
+    assembly = assembled(rings(pointy), order)
+    x, y = ngsolve.x, ngsolve.y
+    taken = snapshot(assembly, interpolated(assembly, ngsolve.CF((0.1 * x * y + 0.05 * y * y, 0.02 * x * x))))
+    for grid in (taken.bulk, taken.walls):
+        x, y, _ = grid.points.T
+        expected = np.column_stack([0.1 * x * y + 0.05 * y**2, 0.02 * x**2, 0 * x])
+        np.testing.assert_allclose(grid.point_data["displacement"], expected, atol=1e-11)
+    x, y, _ = taken.bulk.points.T
+    jacobian = 1 + 0.1 * y - (0.1 * x + 0.1 * y) * 0.04 * x
+    np.testing.assert_allclose(taken.bulk.point_data["J"], jacobian, atol=1e-9)
+
+
+@pytest.mark.parametrize("order", [2, 3, 4])
+def test_points_lie_on_curved_boundaries(order):
+    taken = snapshot(assembled(discs(order), order), np.zeros(assembled(discs(order), order).space.unknowns))
+    centre = 3.0 * np.repeat(taken.walls.cell_data["cell_id"], 3)
+    x, y, _ = taken.walls.points.T
+    np.testing.assert_allclose(np.hypot(x - centre, y), 1, atol=2e-3)
+    x, y, _ = taken.bulk.points.T
+    farthest = np.hypot(x - 3.0 * (x > 1.5), y).max()
+    assert farthest == pytest.approx(1, abs=2e-3)
+
+
+def test_cells_know_their_body_and_whether_it_is_free():
+    assembly = assembled(rings(), 2)
+    for free in (frozenset({1}), np.array([1])):
+        bulk = snapshot(assembly, np.zeros(assembly.space.unknowns), free_bodies=free).bulk
+        centre = bulk.points[bulk.cells].mean(1)[:, 0]
+        body = np.round(centre / np.sqrt(3)).astype(int)
+        assert np.array_equal(bulk.cell_data["cell_id"], body)
+        assert np.array_equal(bulk.cell_data["free"], body == 1)
+
+
+def test_walls_carry_gap_and_pressure_at_their_ends_and_middle():
+    assembly = assembled(rings(), 2)
+    space = assembly.space
+    walls = find_walls(space.bodies, space.scalar, space.rest)
+    at = walls.basis.values(np.array([0.0, 0.5, 1.0])) @ walls.rest
+    grid = snapshot(assembly, np.zeros(space.unknowns), gap=at[..., 0], contact_pressure=at[..., 1]).walls
+    assert grid.cell_type == 21
+    np.testing.assert_allclose(grid.point_data["gap"], grid.points[:, 0], atol=1e-14)
+    np.testing.assert_allclose(grid.point_data["contact_pressure"], grid.points[:, 1], atol=1e-14)
+    ends_and_middle = grid.points[grid.cells]
+    np.testing.assert_allclose(ends_and_middle[:, 2], ends_and_middle[:, :2].mean(1), atol=1e-12)
+    assert np.array_equal(grid.cell_data["cell_id"], walls.body)
+
+
+def test_slaves_follow_their_masters():
+    bodies = rings()
+    space = DisplacementSpace(bodies, 2)
+    tie = tie_walls(find_walls(bodies, space.scalar, space.rest), space.size)
+    bulk = BulkEnergy(space, [SOFT] * 3)
+    tied = Assembly(space, bulk, np.zeros((2, space.size), dtype=bool), tie=tie)
+    affine = space.affine(STRETCHED - np.eye(2), np.zeros(2)).ravel()
+    masters_only = np.where(tied.free, affine, 0)
+    jacobian = snapshot(tied, masters_only).bulk.point_data["J"]
+    assert jacobian == pytest.approx(np.linalg.det(STRETCHED), rel=1e-9)
+    assert jacobian_range(tied, masters_only) == pytest.approx([np.linalg.det(STRETCHED)] * 2)
+
+
+def test_the_range_of_jacobians_reaches_the_corners():
+    assembly = assembled(rings(), 2)
+    displacement = interpolated(assembly, ngsolve.CF((0.05 * ngsolve.x * ngsolve.x, 0)))
+    x = snapshot(assembly, displacement).bulk.points[:, 0]
+    expected = (1 + 0.1 * x.min(), 1 + 0.1 * x.max())
+    assert jacobian_range(assembly, displacement) == pytest.approx(expected)
+
+
+def test_the_range_of_jacobians_notices_whatever_the_energy_does(assembly):
+    """Just where the energy stops to exist, one of its quadrature points has J <= 0."""
+    direction = np.random.default_rng(5).normal(size=assembly.space.unknowns)
+    exists, fails = 0.0, 10.0
+    for _ in range(30):
+        middle = (exists + fails) / 2
+        if np.isnan(assembly.bulk.energy(middle * direction)):
+            fails = middle
+        else:
+            exists = middle
+    assert jacobian_range(assembly, fails * direction)[0] <= 0
+
+
+def test_an_inverted_element_has_no_stress():
+    assembly = assembled(rings(), 2)
+    mirrored = assembly.space.affine(np.diag([-2.0, 0.0]), np.zeros(2))
+    bulk = snapshot(assembly, mirrored).bulk
+    assert bulk.point_data["J"] == pytest.approx(-1)
+    assert np.isnan(bulk.point_data["von_mises"]).all()
+    assert jacobian_range(assembly, mirrored.ravel()) == pytest.approx((-1, -1))
+
+
+def test_a_mesh_of_two_kinds_of_elements_is_refused():
+    mesh = meshing.Mesh()
+    mesh.dim = 2
+    mesh.AddPoints(np.array([[0, 0], [1, 0], [1, 1], [0, 1], [2, 0.5]], dtype=float))
+    region = mesh.AddRegion("cell0", dim=2)
+    for nodes in ([[0, 1, 2, 3]], [[1, 4, 2]]):
+        mesh.AddElements(dim=2, index=region, data=np.array(nodes, dtype=np.int32), base=0)
+    bodies = BodyMesh(ngsolve.Mesh(mesh), np.zeros(2, dtype=np.int64), ("cell0",), "wall", 1.0, 1.0)
+    with pytest.raises(GeometryError, match="the mesh holds QUAD, TRIG"):
+        jacobian_range(assembled(bodies, 1), np.zeros(10))
