@@ -97,7 +97,8 @@ class Assembly:
         self.bulk = bulk
         self.contact = contact
         self._tie = _by_component(tie, space) if tie is not None else None
-        self.free = ~fixed.ravel()
+        self.fixed = fixed.ravel()
+        self.free = ~self.fixed
         if self._tie is not None:
             master, _ = self._tie
             slave = master != np.arange(space.unknowns)
@@ -121,10 +122,33 @@ class Assembly:
         energy = self.bulk.energy(full)
         contact = None
         if self.contact is not None and np.isfinite(energy):
-            positions = self._positions(full)
+            positions = self.positions(full)
             contact = self.contact.pair(positions)
             energy += contact.energy(positions)
         return State(displacement, energy, contact)
+
+    def move(self, displacement: Array, step: Array) -> Array:
+        """Return the displacement after a step in which bodies that float turn instead of stretching.
+
+        Added up, a step that rotates a body also blows it up, by the square of the angle; a cell that rolls in its place
+        would pay for that with the stiffness of its walls, and only tiny steps would lower the energy. So the mean rotation of
+        each body without support is carried out as a rotation. To first order this is still the step.
+        """
+        moved = displacement + step
+        return moved if self._tie is not None else moved + self._roundness(displacement, step)
+
+    def _roundness(self, displacement: Array, step: Array) -> Array:
+        space = self.space
+        body, count = space.body_of_unknown, space.bodies.body_count
+        at, by = self.positions(displacement), step.reshape(space.dimension, -1)
+        weight = np.bincount(body, space.one, count)
+        centre = np.array([np.bincount(body, row * space.one, count) for row in at]) / weight
+        arm = at - centre[:, body] * space.one
+        turn = np.bincount(body, (arm[0] * by[1] - arm[1] * by[0]) * space.one, count)
+        angle = turn / np.bincount(body, (arm**2).sum(0) * space.one, count)
+        angle[np.unique(body[self.fixed.reshape(space.dimension, -1).any(0)])] = 0
+        shrink, slip = (np.cos(angle) - 1)[body], (np.sin(angle) - angle)[body]
+        return np.concatenate([shrink * arm[0] - slip * arm[1], slip * arm[0] + shrink * arm[1]])
 
     def expand(self, displacement: Array) -> Array:
         """Return the displacement with slaves following their masters."""
@@ -140,6 +164,21 @@ class Assembly:
         master, sign = self._tie
         return np.bincount(master, weights=sign * force, minlength=len(force))
 
+    def reactions(self, force: Array) -> Array:
+        """Return the part of nodal forces that the supports bear, shape (unknowns,); zero elsewhere.
+
+        The force on a tied node is borne by one of its fixed members.
+        """
+        reaction = np.zeros_like(force)
+        member = np.flatnonzero(self.fixed)
+        if self._tie is None:
+            reaction[member] = force[member]
+            return reaction
+        master, sign = self._tie
+        held, first = np.unique(master[member], return_index=True)
+        reaction[member[first]] = sign[member[first]] * self.gather(force)[held]
+        return reaction
+
     def gradient(self, state: State) -> Array:
         """Return the gradient of the whole energy, shape (unknowns,)."""
         full = self.expand(state.displacement)
@@ -152,7 +191,7 @@ class Assembly:
         """Return the contact part of the gradient, shape (unknowns,)."""
         if state.contact is None:
             return np.zeros(self.space.unknowns)
-        gap, jacobian, spring = state.contact.springs(self._positions(state.displacement))
+        gap, jacobian, spring = state.contact.springs(self.positions(state.displacement))
         return np.asarray(jacobian.T @ (spring * np.minimum(gap, 0)))
 
     def linearise(self, state: State) -> Linearisation:
@@ -164,7 +203,7 @@ class Assembly:
             nothing = np.zeros(0)
             empty = sparse.csr_array((0, self.space.unknowns))
             return Linearisation(gradient, stiffness, None, nothing, empty, nothing)
-        positions = self._positions(full)
+        positions = self.positions(full)
         gap, jacobian, spring = state.contact.springs(positions)
         curvature = state.contact.curvature(positions)
         return Linearisation(gradient, stiffness, curvature, gap, jacobian, spring)
@@ -191,7 +230,7 @@ class Assembly:
         than half of `margin` [length]."""
         if self.contact is None:
             return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
-        row, column = self.contact.couplings(self._positions(state.displacement), margin)
+        row, column = self.contact.couplings(self.positions(state.displacement), margin)
         shifts = [axis * self.space.size for axis in range(self.space.dimension)]
         rows = np.concatenate([row + i for i in shifts for _ in shifts])
         columns = np.concatenate([column + j for _ in shifts for j in shifts])
@@ -203,7 +242,8 @@ class Assembly:
         values = np.asarray(self.bulk.tangent(displacement).CSR()[0])[self._lower]
         return values if self._tie is None else values * self._signs
 
-    def _positions(self, displacement: Array) -> Array:
+    def positions(self, displacement: Array) -> Array:
+        """Return deformed positions as unknowns, shape (dimension, size)."""
         return self.space.rest + displacement.reshape(self.space.dimension, -1)
 
 

@@ -43,6 +43,11 @@ class ContactSet:
         overlap = np.minimum(self.kinematics.gaps(positions), 0)
         return float(0.5 * (self.stiffness * overlap**2).sum())
 
+    def pressures(self, positions: Array) -> Array:
+        """Return the contact pressure at each partner [stress], >= 0: the two passes act as springs side by side."""
+        overlap = np.minimum(self.kinematics.gaps(positions), 0)
+        return -2 * self.stiffness * overlap / self.kinematics.weight
+
     def springs(self, positions: Array) -> tuple[Array, sparse.csr_array, Array]:
         """Return gaps, their derivatives by the unknowns, and stiffness: one one-sided spring a partner."""
         gap, slopes = self.kinematics.slopes(positions)

@@ -5,9 +5,11 @@ their chords narrow the choice, and a few Newton steps on the curved, deformed e
 may have one partner on each of several bodies: where three cells meet it answers to both neighbours, and never
 flips between them.
 
-A partner is either the foot of a normal or an end of an edge. Behind an end (the closest point is the end itself,
-yet the foot of the normal lies beyond it) the gap is the distance to that end. A point that lies behind the extended
-line of an edge but further aside than deep has slid past the end of it: it overlaps nothing, and is left out.
+The gap that comes out of this is the signed distance to the outline of the other body. No candidate is refused for the
+direction of its normal: that would cut holes into the outline, and energy would jump where a corner slides past
+another. A partner is either the foot of a normal or a joint of two edges, behind which (the foot would lie beyond
+either end) the gap is the distance to the joint. Only where an outline ends, because what follows is no wall, may a
+point lie behind an edge and further aside than deep: it has slid past the end, overlaps nothing, and is left out.
 """
 
 from __future__ import annotations
@@ -24,6 +26,8 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 _PROJECTION_STEPS = 4
+#: Share by which the distance of tied candidates is told apart.
+_TIE = 1e-7
 #: Share of an edge beyond which a foot counts as past its end: round-off of the projection, no more.
 _END_TOLERANCE = 1e-9
 
@@ -91,6 +95,7 @@ class PartnerSearch:
         keep = _best_chords(edge * count + station, walls.body[other], point, nodes[other], self.reach)
         edge, station, other, point = edge[keep], station[keep], other[keep], point[keep]
         xi, distance = _closest(walls, nodes[other], point)
+        distance = _joints_apart(walls, nodes, other, point, distance)
         best = _smallest_of_group((edge * count + station) * (walls.body.max() + 1) + walls.body[other], distance)
         best = best[distance[best] <= self.reach]
         return _classified(walls, nodes, edge[best], station[best], other[best], xi[best], point[best])
@@ -99,10 +104,7 @@ class PartnerSearch:
         margin = self.reach
         if self._near is None or np.abs(nodes - self._near_at).max() > margin / 2:
             self._near, self._near_at = near_edges(self._walls, nodes, self.reach + 2 * margin), nodes
-        edge, other = self._near
-        normal = self._walls.chord_normals(nodes)
-        facing = np.einsum("ed,ed->e", normal[edge], normal[other]) < 0
-        return edge[facing], other[facing]
+        return self._near
 
 
 def near_edges(walls: Walls, nodes: Array, reach: float) -> tuple[Index, Index]:
@@ -140,6 +142,7 @@ def nearest_on_body(walls: Walls, nodes: Array, point: Array, body: Index) -> Ar
     keep = _best_chords(row, walls.body[other], point[row], nodes[other], np.inf)
     row, other = row[keep], other[keep]
     xi, distance = _closest(walls, nodes[other], point[row])
+    distance = _joints_apart(walls, nodes, other, point[row], distance)
     best = _smallest_of_group(row, distance)
     found = _classified(walls, nodes, row[best], row[best], other[best], xi[best], point[row[best]])
     signed = distance[best]
@@ -182,6 +185,15 @@ def _closest(walls: Walls, nodes: Array, point: Array) -> tuple[Array, Array]:
     return xi, np.linalg.norm(point - position, axis=1)
 
 
+def _joints_apart(walls: Walls, nodes: Array, other: Index, point: Array, distance: Array) -> Array:
+    """Return distances with ties broken: at a joint, which two edges share, the one that sees the point outside wins.
+
+    At a convex corner a point outside may still lie behind the extended line of one of the two edges.
+    """
+    height = np.einsum("pd,pd->p", point - nodes[other, 0], walls.chord_normals(nodes)[other])
+    return distance - _TIE * np.clip(height, -distance, distance)
+
+
 def _smallest_of_group(group: Index, value: Array) -> Index:
     """Return, for each group, the position of its smallest value."""
     order = np.lexsort((value, group))
@@ -201,7 +213,8 @@ def _classified(
     aside = np.einsum("pd,pd->p", away, slope) / speed2
     height = walls.side[other] * (away[:, 0] * slope[:, 1] - away[:, 1] * slope[:, 0]) / speed2
     at_end = np.abs(aside) > _END_TOLERANCE
-    slid_past = at_end & (height < 0) & (np.abs(aside) > np.abs(height))
+    ends_here = np.where(xi < 0.5, walls.is_loose_end[other, 0], walls.is_loose_end[other, 1])
+    slid_past = at_end & ends_here & (height < 0) & (np.abs(aside) > np.abs(height))
     kept = ~slid_past
     sign = np.where(height < 0, -1.0, 1.0)
     return Partners(*(array[kept] for array in (edge, station, other, xi, at_end, sign)))

@@ -67,7 +67,8 @@ class Walls:
     weights : array of float, shape (edges, points)
         Quadrature weights times reference length [length].
     depth : array of float, shape (edges,)
-        Height of the element behind the edge [length], the scale of the penalty stiffness.
+        Area over length of the element behind the edge [length], the scale of the penalty stiffness. A triangle counts
+        as equilateral: its shape, an accident of the mesh, would make the stiffness jump along the wall.
     rest : array of float, shape (edges, order + 1, 2)
         Reference positions of the Lagrange nodes [length].
     """
@@ -94,6 +95,14 @@ class Walls:
     def trace(self, edge: Index, xi: Array, derivative: int = 0) -> Array:
         """Return the factors of the unknowns ``dofs[edge]`` at `xi`; shape (points, order + 1)."""
         return np.einsum("pi,pij->pj", self.basis.values(xi, derivative), self.nodal[edge])
+
+    @cached_property
+    def is_loose_end(self) -> NDArray[np.bool_]:
+        """Whether the outline of the body ends at the start (0) and at the end (1) of an edge, shape (edges, 2)."""
+        count = np.bincount(self.dofs[:, :2].ravel())
+        at_start = np.einsum("ei,ei->e", self.nodal[:, 0, :2], self.dofs[:, :2]).round().astype(np.int64)
+        at_end = np.einsum("ei,ei->e", self.nodal[:, -1, :2], self.dofs[:, :2]).round().astype(np.int64)
+        return np.stack([count[at_start] < 2, count[at_end] < 2], axis=1)
 
     def chord_normals(self, nodes: Array) -> Array:
         """Return the outward unit normals of the chords, shape (edges, 2), at deformed nodes."""
@@ -126,12 +135,12 @@ def find_walls(bodies: BodyMesh, scalar_space: ngsolve.H1, rest: Array) -> Walls
     nodal = np.array([_sampled_shapes(scalar_space, element, basis) for element in elements])
     behind = np.array([mesh[element.edges[0]].elements[0].nr for element in elements])
     nodes = np.einsum("eij,dej->eid", nodal, rest[:, dofs])
-    stations, gauss = _gauss(order + 1)
+    stations, share = _lobatto(order + 2)
     speed = np.linalg.norm(np.einsum("pi,eid->epd", basis.values(stations, 1), nodes), axis=2)
-    length = (gauss * speed).sum(1)
+    length = (share * speed).sum(1)
     area, centre = _areas_and_centres(mesh, behind)
     tangent = nodes[:, -1] - nodes[:, 0]
-    outward = nodes.mean(1) - centre
+    outward = (nodes[:, 0] + nodes[:, -1]) / 2 - centre
     turned = tangent[:, 1] * outward[:, 0] - tangent[:, 0] * outward[:, 1]
     return Walls(
         body=bodies.body_of_element[behind],
@@ -140,8 +149,8 @@ def find_walls(bodies: BodyMesh, scalar_space: ngsolve.H1, rest: Array) -> Walls
         side=np.sign(turned),
         basis=basis,
         stations=stations,
-        weights=gauss * speed,
-        depth=area / length,
+        weights=share * speed,
+        depth=np.where(_are_triangles(mesh, behind), np.sqrt(3) / 4 * length, area / length),
         rest=nodes,
     )
 
@@ -151,9 +160,20 @@ def _sampled_shapes(space: ngsolve.H1, element: ngsolve.comp.Ngs_Element, basis:
     return np.array([np.asarray(shape(xi)).ravel() for xi in basis.nodes])
 
 
-def _gauss(count: int) -> tuple[Array, Array]:
-    points, weights = np.polynomial.legendre.leggauss(count)
+def _lobatto(count: int) -> tuple[Array, Array]:
+    """Return points and weights of the Gauss-Lobatto rule on [0, 1], exact to degree ``2 count - 3``.
+
+    It has the ends of the edge among its points: the tip of a sharp corner, which presses first and deepest, would slip
+    between the points of a Gauss rule and sink into the wall opposite unseen.
+    """
+    last = np.polynomial.legendre.Legendre.basis(count - 1)
+    points = np.concatenate([[-1.0], np.sort(last.deriv().roots().real), [1.0]])
+    weights = 2 / (count * (count - 1) * last(points) ** 2)
     return (points + 1) / 2, weights / 2
+
+
+def _are_triangles(mesh: ngsolve.Mesh, numbers: Index) -> NDArray[np.bool_]:
+    return np.array([len(mesh[ngsolve.ElementId(ngsolve.VOL, int(number))].vertices) == 3 for number in numbers])
 
 
 def _areas_and_centres(mesh: ngsolve.Mesh, numbers: Index) -> tuple[Array, Array]:

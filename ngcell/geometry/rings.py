@@ -4,7 +4,7 @@ A structured ring needs a fifth of the unknowns of a triangulation with the same
 neighbours node by node, and takes milliseconds. Coincident walls carry coincident but separate nodes.
 
 A corner radius rounds the outer wall only; the arc is resolved by straight edges (`ARC_EDGES` to half a corner),
-which lie inside the true arc by at most ``radius (1 - cos(pi / 24))``, under one percent of the radius.
+which lie inside the true arc by less than one percent of the radius.
 """
 
 from __future__ import annotations

@@ -192,9 +192,9 @@ class Minimiser:
             step, change = self._step(model)
             decrement = -float(model.full_gradient() @ step)
             if -lost < change <= 0 <= decrement:
-                return _Advance(self._at(state.displacement + step), 0.0, decrement, shift)
+                return _Advance(self._at(self.problem.move(state.displacement, step)), 0.0, decrement, shift)
             if change < 0 < decrement:
-                trial = self._at(state.displacement + step)
+                trial = self._at(self.problem.move(state.displacement, step))
                 gain = energy - trial.energy - self.tether_energy(trial.displacement, tether)
                 quality = gain / -change
                 if quality > POOR:

@@ -51,6 +51,9 @@ class Problem(Protocol):
     def at(self, displacement: Array) -> State:
         """Return the state with this displacement."""
 
+    def move(self, displacement: Array, step: Array) -> Array:
+        """Return ``displacement + step``, up to terms of second order in the step."""
+
     def linearise(self, state: State) -> Linearisation:
         """Return the model about a state."""
 

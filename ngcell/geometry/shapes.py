@@ -1,0 +1,195 @@
+"""Faces that a user drew, as one mesh of separate bodies.
+
+The faces go to Netgen side by side and are never glued: where two bodies touch, each has its own vertices. Elements are
+curved with the order of the displacement, so that a reference position is a displacement like any other.
+
+Which boundaries may touch another body follows from how the bodies enclose each other. The *outline* of a body is a
+wall as soon as there is a second body. A *hole* is a wall if another body lies in it; a hole that encloses no body
+is none: what is outside cannot get in. Supports do not matter: a body may be pushed against a boundary that is held.
+
+Edges without a name are given one, ``<body>_outline`` or ``<body>_hole<number>``, with holes counted in the order of the
+face's edges.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import netgen.meshing
+import ngsolve
+import numpy as np
+from netgen import occ
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+
+from ngcell.errors import GeometryError
+from ngcell.geometry.bodies import BodyMesh
+from ngcell.scene.bodies import PLAIN_NAME, check_unique_names
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+#: Height above the plane z = 0, as a share of a face's size, that counts as round-off.
+_FLAT = 1e-6
+#: Default size of elements as a share of the smallest thickness.
+_SIZE = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class _Loop:
+    """A closed boundary of a body: which body, which of Netgen's edges, and its segments, shape (n, 2, 2)."""
+
+    body: int
+    edges: frozenset[int]
+    segments: Array
+
+    @property
+    def diagonal(self) -> float:
+        """Diagonal of the bounding box [length]."""
+        return float(np.linalg.norm(np.ptp(self.segments.reshape(-1, 2), axis=0)))
+
+    def encloses(self, points: Array) -> bool:
+        """Return whether any of the points, shape (n, 2), lies inside: the ray from it to the right leaves."""
+        start, end = self.segments[:, 0], self.segments[:, 1]
+        x, y = points[:, :1], points[:, 1:]
+        crosses = (start[:, 1] > y) != (end[:, 1] > y)
+        rise = np.where(start[:, 1] == end[:, 1], 1.0, end[:, 1] - start[:, 1])
+        at = start[:, 0] + (y - start[:, 1]) / rise * (end[:, 0] - start[:, 0])
+        return bool(((crosses & (x < at)).sum(1) % 2).any())
+
+
+def mesh_shapes(
+    shapes: Sequence[Any], names: Sequence[str], *, order: int, size: float | None = None
+) -> BodyMesh:
+    """Return the mesh of the bodies that the faces outline.
+
+    Parameters
+    ----------
+    shapes : sequence of netgen.occ shapes
+        One planar face each, in the plane z = 0 [length]; they are left unchanged.
+    names : sequence of str
+        Name of each body.
+    order : int
+        Order of the curved elements, >= 1: that of the displacement.
+    size : float, optional
+        Largest length of an element's edge [length]; by default half of the smallest thickness. Where the shapes
+        carry a smaller ``maxh``, that counts.
+
+    Returns
+    -------
+    BodyMesh
+        Its `length` is half of the diagonal of the smallest body's bounding box; its `thickness` the smallest area
+        of a body over half of its perimeter, which for a ring of any shape is the thickness of its wall.
+
+    Raises
+    ------
+    GeometryError
+        If a shape is no planar face, if shapes share an edge, or if Netgen cannot mesh them.
+    """
+    check_unique_names(names)
+    faces = [_face(shape, name) for shape, name in zip(shapes, names, strict=True)]
+    thickness = min(2 * face.mass / sum(edge.mass for edge in face.edges) for face in faces)
+    mesh = _netgen_mesh(faces, names, _SIZE * thickness if size is None else size)
+    loops = _loops(mesh)
+    walls = _name_boundaries(mesh, loops, names)
+    body = np.asarray(mesh.Elements2D().NumPy()["index"], dtype=np.int64) - 1
+    for number, name in enumerate(names):
+        mesh.SetMaterial(number + 1, name)
+    return BodyMesh(
+        mesh=ngsolve.Mesh(mesh).Curve(order),
+        body_of_element=body,
+        body_names=tuple(names),
+        wall_names="|".join(sorted(walls)),
+        length=min(loop.diagonal for loop in _outlines(loops).values()) / 2,
+        thickness=thickness,
+    )
+
+
+def _face(shape: Any, name: str) -> occ.Face:
+    """Return the only face of a shape."""
+    if not isinstance(shape, occ.TopoDS_Shape):
+        raise GeometryError(f"body {name}: its shape is {shape!r}; allowed: a face made with netgen.occ")
+    if len(shape.solids):
+        raise GeometryError(f"body {name}: its shape is a solid; allowed: planar faces only, for now")
+    if len(shape.faces) != 1:
+        raise GeometryError(f"body {name}: its shape has {len(shape.faces)} faces; allowed: one face a body")
+    low, high = shape.bounding_box
+    if max(abs(low[2]), abs(high[2])) > _FLAT * (high - low).Norm():
+        raise GeometryError(
+            f"body {name}: its face reaches from z = {low[2]:g} to {high[2]:g}; allowed: the plane z = 0"
+        )
+    return shape.faces[0]
+
+
+def _netgen_mesh(faces: Sequence[occ.Face], names: Sequence[str], size: float) -> netgen.meshing.Mesh:
+    try:
+        mesh = occ.OCCGeometry(occ.Compound(list(faces)), dim=2).GenerateMesh(maxh=size)
+    except Exception as error:  # noqa: BLE001 - Netgen raises its own and standard exceptions alike
+        raise GeometryError(f"bodies {', '.join(names)}: Netgen cannot mesh them ({error})") from error
+    body = mesh.Elements2D().NumPy()["index"]
+    missing = set(range(1, len(faces) + 1)) - set(body.tolist())
+    nodes = mesh.Elements2D().NumPy()["nodes"]
+    owners = np.unique(np.column_stack([nodes[:, :3].ravel(), np.repeat(body, 3)]), axis=0)
+    if missing or len(np.unique(owners[:, 0])) < len(owners):
+        raise GeometryError(
+            "two bodies have the same face or share an edge; "
+            "allowed: shapes of their own that touch at most (do not Glue, and Move copies instead of repeating a face)"
+        )
+    return mesh
+
+
+def _loops(mesh: netgen.meshing.Mesh) -> list[_Loop]:
+    """Return the closed boundaries of all bodies, in the order of their first edges."""
+    points = mesh.Coordinates()
+    segments = mesh.Elements1D().NumPy()
+    ends = segments["nodes"][:, :2].astype(np.int64) - 1
+    edge = segments["index"].astype(np.int64)
+    graph = sparse.coo_array((np.ones(len(ends)), tuple(ends.T)), shape=(len(points), len(points)))
+    loop = connected_components(graph, directed=False)[1][ends[:, 0]]
+    triangles = mesh.Elements2D().NumPy()
+    body_of_point = np.zeros(len(points), dtype=np.int64)
+    body_of_point[triangles["nodes"][:, :3] - 1] = triangles["index"][:, None] - 1
+    members = sorted((np.flatnonzero(loop == number) for number in np.unique(loop)), key=lambda own: edge[own].min())
+    return [
+        _Loop(int(body_of_point[ends[own[0], 0]]), frozenset(edge[own].tolist()), points[ends[own], :2])
+        for own in members
+    ]
+
+
+def _outlines(loops: Sequence[_Loop]) -> dict[int, _Loop]:
+    """Return the outline of each body: its largest loop."""
+    outlines: dict[int, _Loop] = {}
+    for loop in loops:
+        if loop.body not in outlines or loop.diagonal > outlines[loop.body].diagonal:
+            outlines[loop.body] = loop
+    return outlines
+
+
+def _name_boundaries(mesh: netgen.meshing.Mesh, loops: Sequence[_Loop], names: Sequence[str]) -> set[str]:
+    """Name the edges that have no name, and return the names of walls."""
+    elements = mesh.Elements2D().NumPy()
+    centres = mesh.Coordinates()[elements["nodes"][:, :3] - 1].mean(1)[:, :2]
+    outlines, holes, walls = _outlines(loops), [0] * len(names), set()
+    for loop in loops:
+        kind, is_wall = "outline", len(names) > 1
+        if loop is not outlines[loop.body]:
+            kind, is_wall = f"hole{holes[loop.body]}", loop.encloses(centres[elements["index"] - 1 != loop.body])
+            holes[loop.body] += 1
+        for edge in loop.edges:
+            name = _named(mesh, edge, f"{names[loop.body]}_{kind}")
+            walls |= {name} if is_wall else set()
+    return walls
+
+
+def _named(mesh: netgen.meshing.Mesh, edge: int, otherwise: str) -> str:
+    """Return the name of an edge, after giving it one if it had none."""
+    name = str(mesh.GetBCName(edge - 1))
+    if name == "default":
+        mesh.SetBCName(edge - 1, otherwise)
+        return otherwise
+    if not PLAIN_NAME.fullmatch(name):
+        raise GeometryError(f"edge name {name!r}; allowed: letters, digits, _ and -")
+    return name

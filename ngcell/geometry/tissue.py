@@ -1,0 +1,50 @@
+"""The tissue of a case as a mesh: lattice, rings, and the hull walls that its load holds or moves."""
+
+from __future__ import annotations
+
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ngcell.geometry.bodies import BodyMesh
+from ngcell.geometry.lattice import Lattice, hexagonal_lattice
+from ngcell.geometry.rings import ring_mesh
+from ngcell.scene import Frame, MeshChoice, Plates, Tissue
+
+#: Names of the supported regions.
+LOWER_PLATE, UPPER_PLATE, FRAME = "lower-plate", "upper-plate", "frame"
+
+#: Default edges: at most this many wall thicknesses long, and at least this many to a side.
+_SLENDERNESS, _FEWEST_EDGES = 2.5, 4
+
+
+def tissue_mesh(tissue: Tissue, load: Plates | Frame, choice: MeshChoice) -> BodyMesh:
+    """Return the mesh of a tissue, one body a cell, with the regions that the load needs."""
+    lattice = hexagonal_lattice(
+        tissue.rows, tissue.cols, side=tissue.side, pointy=tissue.orientation == "pointy"
+    )
+    edges, layers = mesh_density(tissue, choice)
+    return ring_mesh(
+        lattice,
+        wall=tissue.wall,
+        radius=tissue.corner_radius,
+        edges=edges,
+        layers=layers,
+        supports=supported_walls(lattice, load),
+    )
+
+
+def mesh_density(tissue: Tissue, choice: MeshChoice) -> tuple[int, int]:
+    """Return the number of elements along a side and through the wall."""
+    size = choice.size or min(tissue.side / _FEWEST_EDGES, _SLENDERNESS * tissue.wall)
+    layers = choice.layers or max(1, round(tissue.wall / size))
+    return max(1, ceil(tissue.side / size - 1e-9)), layers
+
+
+def supported_walls(lattice: Lattice, load: Plates | Frame) -> dict[str, NDArray[np.bool_]]:
+    """Return which walls each supported region consists of, as arrays of shape (cells, 6)."""
+    if isinstance(load, Frame):
+        return {FRAME: lattice.neighbours < 0}
+    top = int(lattice.row_of_cell.max())
+    return {LOWER_PLATE: lattice.hull_walls(0, -1), UPPER_PLATE: lattice.hull_walls(top, 1)}

@@ -1,0 +1,93 @@
+"""Forces between bodies and on supports, and what they leave held by nothing.
+
+A contact force is reported as the one on the body with the lower number; the other body feels its opposite.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+
+from ngcell.contact.assembly import Assembly, State
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ContactForces:
+    """Resultant contact forces between bodies.
+
+    Attributes
+    ----------
+    bodies : array of int, shape (touching pairs, 2)
+        Bodies in touch, the lower number first.
+    force : array of float, shape (touching pairs, 2)
+        Force on the first body of each pair [stress * length].
+    on_body : array of float, shape (bodies, 2)
+        Sum of contact forces on each body.
+    pressed : array of float, shape (bodies,)
+        Sum of the magnitudes of the forces between each body and its partners.
+    """
+
+    bodies: NDArray[np.int64]
+    force: Array
+    on_body: Array
+    pressed: Array
+
+    @property
+    def total(self) -> float:
+        """Sum of the magnitudes over all pairs [stress * length]."""
+        return float(np.linalg.norm(self.force, axis=1).sum())
+
+    def between(self, pairs: NDArray[np.int64]) -> Array:
+        """Return the magnitude of the force between the bodies of each pair, shape (pairs,)."""
+        known = {
+            (int(one), int(two)): float(size)
+            for (one, two), size in zip(self.bodies, np.linalg.norm(self.force, axis=1), strict=True)
+        }
+        return np.array([known.get((int(one), int(two)), 0.0) for one, two in pairs])
+
+    def clumps(self) -> NDArray[np.int64]:
+        """Return the clump of bodies in touch that each body belongs to, shape (bodies,)."""
+        count = len(self.on_body)
+        one, two = self.bodies.T
+        graph = sparse.coo_array((np.ones(len(one)), (one, two)), shape=(count, count))
+        return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
+
+
+def contact_forces(assembly: Assembly, state: State) -> ContactForces:
+    """Return the contact forces of a state; none without contact."""
+    count = assembly.space.bodies.body_count
+    if assembly.contact is None or state.contact is None:
+        nothing = np.zeros((0, 2))
+        return ContactForces(nothing.astype(np.int64), nothing, np.zeros((count, 2)), np.zeros(count))
+    partners = state.contact.kinematics.partners
+    gap, slopes = state.contact.kinematics.slopes(assembly.positions(state.displacement))
+    closed = gap < 0
+    force = -(state.contact.stiffness * gap)[closed, None] * slopes[closed, :2]
+    body = assembly.contact.walls.body
+    mine, theirs = body[partners.edge[closed]], body[partners.other[closed]]
+    on_lower = np.where((mine < theirs)[:, None], force, -force)
+    key = np.minimum(mine, theirs) * count + np.maximum(mine, theirs)
+    found, place = np.unique(key, return_inverse=True)
+    sums = np.zeros((len(found), 2))
+    np.add.at(sums, place.ravel(), on_lower)
+    bodies = np.column_stack(np.divmod(found, count))
+    on_body, pressed = np.zeros((count, 2)), np.zeros(count)
+    size = np.linalg.norm(sums, axis=1)
+    for column, sign in enumerate((1, -1)):
+        np.add.at(on_body, bodies[:, column], sign * sums)
+        np.add.at(pressed, bodies[:, column], size)
+    return ContactForces(bodies, sums, on_body, pressed)
+
+
+def body_resultants(assembly: Assembly, nodal_force: Array) -> Array:
+    """Return the sum of nodal forces over each body, shape (bodies, dimension)."""
+    space = assembly.space
+    weighted = nodal_force.reshape(space.dimension, -1) * space.one
+    count = space.bodies.body_count
+    return np.array([np.bincount(space.body_of_unknown, row, minlength=count) for row in weighted]).T

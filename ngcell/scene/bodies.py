@@ -1,0 +1,197 @@
+"""Own bodies: shapes that a user drew, each with its material, the supports that move them, and the load path."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from math import isfinite
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from ngcell.errors import CaseError
+from ngcell.scene.contact import Contact, Penalty
+from ngcell.scene.load import Levels
+from ngcell.scene.material import Material, MooneyRivlin
+
+Gradient = tuple[tuple[float, float], tuple[float, float]]
+
+#: Names become parts of region names, where other signs would have a meaning of their own.
+PLAIN_NAME = re.compile(r"[A-Za-z0-9_-]+")
+
+_LEVELS: TypeAdapter[int | tuple[float, ...]] = TypeAdapter(Levels)
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """One body.
+
+    Parameters
+    ----------
+    shape : object
+        A planar face of `netgen.occ` in the plane z = 0 [length]. Names that its edges carry can be supported;
+        ``maxh`` on its edges or on the face refines the mesh there.
+    material : MooneyRivlin
+        What it is made of.
+    name : str
+        Letters, digits, ``_`` and ``-``.
+    """
+
+    shape: Any
+    material: Material
+    name: str
+
+    def __post_init__(self) -> None:
+        _check_name(self.name, "body name")
+        if not isinstance(self.material, MooneyRivlin):
+            raise CaseError(f"body {self.name}: material is {self.material!r}; allowed: a MooneyRivlin")
+
+
+@dataclass(frozen=True)
+class BodySupport:
+    """A boundary whose displacement is ``load_factor * (gradient @ X + shift)`` at the reference position X.
+
+    Parameters
+    ----------
+    boundary : str
+        Name of an edge, or ``<body>_outline`` or ``<body>_hole0``, ``<body>_hole1``, ... for the edges without a name.
+    gradient : tuple of tuple of float, shape (2, 2)
+        Displacement gradient at load factor 1, without unit.
+    shift : tuple of float, shape (2,)
+        Displacement of the origin at load factor 1 [length].
+    components : tuple of bool, shape (2,)
+        Which components are prescribed; the others are free. Where supports meet, the later one counts.
+    """
+
+    boundary: str
+    gradient: Gradient = ((0.0, 0.0), (0.0, 0.0))
+    shift: tuple[float, float] = (0.0, 0.0)
+    components: tuple[bool, bool] = (True, True)
+
+    def __post_init__(self) -> None:
+        _check_name(self.boundary, "boundary of a support")
+        place = f"support {self.boundary}"
+        rows = _pair(self.gradient, f"{place}: gradient", "two rows of two finite numbers")
+        for row in rows:
+            _check_numbers(row, f"{place}: gradient", "two rows of two finite numbers")
+        _check_numbers(self.shift, f"{place}: shift", "two finite numbers")
+        components = _pair(self.components, f"{place}: components", "two booleans, at least one of them True")
+        if not all(isinstance(entry, bool) for entry in components) or not any(components):
+            raise CaseError(
+                f"{place}: components is {self.components!r}; allowed: two booleans, at least one of them True"
+            )
+
+    @property
+    def moves(self) -> bool:
+        """Whether the support moves at all."""
+        return any(value != 0 for row in (*self.gradient, self.shift) for value in row)
+
+
+@dataclass(frozen=True, eq=False)
+class BodyScene:
+    """Bodies, what moves them, and how finely they are resolved.
+
+    Parameters
+    ----------
+    bodies : tuple of Body
+        At least one; they may touch, and share nothing even then.
+    supports : tuple of BodySupport
+        What is held and moved; a body that nothing holds stays as near to where it was as contact allows.
+    size : float, optional
+        Largest length of an element's edge, > 0; by default half of the smallest thickness of the bodies.
+    order : int
+        Polynomial order of displacement and geometry, 1 to 4.
+    levels : int or tuple of float
+        Number of equal levels, or the increasing load factors in (0, 1] that are reported.
+    steps : int, optional
+        Smallest number of load steps, >= 1; by default one for each level.
+    contact : Penalty
+        What walls do to each other.
+
+    Raises
+    ------
+    CaseError
+        If a value is not allowed.
+    """
+
+    bodies: tuple[Body, ...]
+    supports: tuple[BodySupport, ...] = ()
+    size: float | None = None
+    order: int = 2
+    levels: int | tuple[float, ...] = 10
+    steps: int | None = None
+    contact: Contact = field(default_factory=Penalty)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "bodies", _sequence(self.bodies, Body, "bodies"))
+        object.__setattr__(self, "supports", _sequence(self.supports, BodySupport, "supports"))
+        if not self.bodies:
+            raise CaseError("bodies is empty; allowed: at least one body")
+        check_unique_names(body.name for body in self.bodies)
+        if self.size is not None and not (_is_number(self.size) and self.size > 0):
+            raise CaseError(f"size is {self.size!r}; allowed: a finite length > 0")
+        if type(self.order) is not int or not 1 <= self.order <= 4:
+            raise CaseError(f"order is {self.order!r}; allowed: a whole number from 1 to 4")
+        if self.steps is not None and (type(self.steps) is not int or self.steps < 1):
+            raise CaseError(f"steps is {self.steps!r}; allowed: a whole number >= 1")
+        if not isinstance(self.contact, Penalty):
+            raise CaseError(f"contact is {self.contact!r}; allowed: a Penalty")
+        _check_levels(self.levels)
+
+    @property
+    def level_factors(self) -> tuple[float, ...]:
+        """Load factors of the levels, increasing, in (0, 1]."""
+        levels = _LEVELS.validate_python(self.levels)
+        return tuple((n + 1) / levels for n in range(levels)) if isinstance(levels, int) else levels
+
+    @property
+    def smallest_step_count(self) -> int:
+        """Smallest number of load steps."""
+        return self.steps or len(self.level_factors)
+
+    @property
+    def moved_boundaries(self) -> tuple[str, ...]:
+        """Names of the boundaries that a support moves, each once."""
+        return tuple(dict.fromkeys(support.boundary for support in self.supports if support.moves))
+
+
+def check_unique_names(names: Iterable[str]) -> None:
+    """Raise CaseError if a body's name occurs twice."""
+    twice = [name for name, count in Counter(names).items() if count > 1]
+    if twice:
+        raise CaseError(f"body name {twice[0]!r} is used twice; allowed: a name of its own for each body")
+
+
+def _check_name(name: object, place: str) -> None:
+    if not isinstance(name, str) or not PLAIN_NAME.fullmatch(name):
+        raise CaseError(f"{place} is {name!r}; allowed: letters, digits, _ and -, at least one of them")
+
+
+def _check_levels(levels: object) -> None:
+    try:
+        _LEVELS.validate_python(levels)
+    except ValidationError as error:
+        raise CaseError(f"levels is {levels!r}; {error.errors()[0]['msg']}") from None
+
+
+def _sequence(value: object, kind: type, place: str) -> tuple[Any, ...]:
+    if not isinstance(value, (list, tuple)) or not all(isinstance(entry, kind) for entry in value):
+        raise CaseError(f"{place} is {value!r}; allowed: a list of {kind.__name__}")
+    return tuple(value)
+
+
+def _pair(value: object, place: str, allowed: str) -> tuple[Any, ...]:
+    if not isinstance(value, (list, tuple)) or len(value) != 2:
+        raise CaseError(f"{place} is {value!r}; allowed: {allowed}")
+    return tuple(value)
+
+
+def _check_numbers(value: object, place: str, allowed: str) -> None:
+    if not all(_is_number(entry) for entry in _pair(value, place, allowed)):
+        raise CaseError(f"{place} is {value!r}; allowed: {allowed}")
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and isfinite(value)

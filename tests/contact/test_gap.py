@@ -1,0 +1,98 @@
+"""The gap of a pair and its derivatives, for feet of normals and for ends of edges."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ngcell.contact.gap import GapKinematics
+from ngcell.contact.penalty import PenaltyContact
+from tests.tissues import SmallTissue, small_tissue
+
+STEPS = np.array([2e-3, 1e-3, 5e-4])
+
+
+def bent_pair(order: int, depth: float, dent: float = 0.0, aside: float = 0.2) -> tuple[SmallTissue, np.ndarray]:
+    """Two bent cells, the right one pushed into the left one and aside, and their displacement.
+
+    Each of them has the middle node of the wall between them moved in by `dent`.
+    """
+    tissue = small_tissue(1, 2, order=order, edges=2)
+    x, y = tissue.space.rest
+    middle = tissue.space.one * (np.hypot(x - np.sqrt(3) / 2, y) < 1e-6)
+    inward = np.where(tissue.space.body_of_unknown == 0, -dent, dent) * middle
+    dented = np.concatenate([inward, 0 * inward])
+    return tissue, tissue.smooth(0.03, 3) + dented + tissue.body_shift(1, np.array([-depth, aside]))
+
+
+def paired(tissue: SmallTissue, displacement: np.ndarray) -> GapKinematics:
+    contact = PenaltyContact(tissue.walls, np.ones(tissue.walls.edge_count), reach=0.6)
+    return contact.pair(tissue.positions(displacement)).kinematics
+
+
+def rates(remainders: list[float]) -> np.ndarray:
+    return np.log2(np.array(remainders[:-1]) / remainders[1:])
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize(
+    ("place", "at_end", "closed"),
+    [((0.1,), False, True), ((-0.1,), False, False), ((0.3, 0.1, 0.0), True, True), ((-0.1,), True, False)],
+    ids=["closed foot", "open foot", "closed end", "open end"],
+)
+def test_taylor_remainders_of_gaps_vanish_at_their_rates(order, place, at_end, closed):
+    tissue, displacement = bent_pair(order, *place)
+    kinematics = paired(tissue, displacement)
+    at, size = tissue.positions(displacement), tissue.space.size
+    gap, slopes = kinematics.slopes(at)
+    np.testing.assert_array_equal(gap, kinematics.gaps(at))
+    is_meant = (kinematics.partners.at_end == at_end) & ((gap < 0) == closed) & (np.abs(gap) > 0.01)
+    chosen = np.flatnonzero(is_meant)
+    assert len(chosen)
+    way = tissue.smooth(1.0, 9)
+    slope = (kinematics.jacobian(slopes, size) @ way)[chosen]
+    blocks = kinematics.curvatures(at, chosen)
+    bend = [way @ (kinematics.assemble(block[None], chosen[[i]], size) @ way) for i, block in enumerate(blocks)]
+    first, second = [], []
+    for step in STEPS:
+        remainder = kinematics.gaps(at + step * way.reshape(2, -1))[chosen] - gap[chosen] - step * slope
+        first.append(np.abs(remainder).max())
+        second.append(np.abs(remainder - step**2 / 2 * np.array(bend)).max())
+    np.testing.assert_allclose(rates(first), 2, atol=0.2)
+    np.testing.assert_allclose(rates(second), 3, atol=0.3)
+
+
+@pytest.mark.parametrize("distance", [0.05, -0.05])
+def test_gaps_are_positive_between_walls_apart_and_negative_where_they_overlap(distance):
+    tissue = small_tissue(1, 2)
+    shift = tissue.body_shift(1, np.array([distance, 0.0]))
+    kinematics = paired(tissue, shift)
+    x, y = (tissue.walls.station_values @ tissue.walls.rest).transpose(2, 0, 1)
+    at = kinematics.partners.edge, kinematics.partners.station
+    between = (np.abs(x - np.sqrt(3) / 2)[at] < 1e-9) & (np.abs(y)[at] < 0.4)
+    assert set(tissue.walls.body[kinematics.partners.edge[between]]) == {0, 1}
+    np.testing.assert_allclose(kinematics.gaps(tissue.positions(shift))[between], distance, atol=1e-12)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 4])
+@pytest.mark.parametrize("depth", [0.1, -0.1])
+def test_partners_are_closest_points(order, depth):
+    tissue, displacement = bent_pair(order, depth)
+    kinematics = paired(tissue, displacement)
+    partners, walls = kinematics.partners, tissue.walls
+    at = tissue.positions(displacement)
+    away, tangent = kinematics.vectors(at)
+    distance = np.linalg.norm(away, axis=1)
+    lengths = np.maximum(distance, 1e-9) * np.linalg.norm(tangent, axis=1)
+    feet = ~partners.at_end
+    assert (np.abs(np.einsum("nd,nd->n", away, tangent)) / lengths)[feet].max() < 1e-6
+    np.testing.assert_allclose(np.abs(kinematics.gaps(at)), distance, rtol=1e-9, atol=1e-14)
+    # By brute force: no point of the other body's walls is nearer.
+    outline = walls.basis.values(np.linspace(0, 1, 201)) @ walls.nodes(at)
+    own = (walls.station_values @ walls.nodes(at))[partners.edge, partners.station]
+    for body in (0, 1):
+        mine = walls.body[partners.edge] == body
+        theirs = outline[walls.body != body].reshape(-1, 2)
+        nearest = np.linalg.norm(own[mine][:, None] - theirs, axis=2).min(1)
+        assert (distance[mine] <= nearest + 1e-12).all()
+        np.testing.assert_allclose(distance[mine], nearest, atol=1e-2)

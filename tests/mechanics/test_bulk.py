@@ -1,0 +1,74 @@
+"""The stored energy of bodies: energy, forces and tangent of one function, material by material."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ngcell.mechanics.bulk import BulkEnergy
+from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.space import csr_matrix
+from tests.mechanics.test_hyperelastic import stored_energy
+from tests.tissues import LAW, small_tissue
+
+STEPS = np.array([4e-3, 2e-3, 1e-3])
+
+
+def rates(remainders: list[float]) -> np.ndarray:
+    return np.log2(np.array(remainders[:-1]) / remainders[1:])
+
+
+@pytest.mark.parametrize("law", [MooneyRivlinLaw(0.7, 0.3, 20.0), MooneyRivlinLaw(1.0, 0.0, 20.0)])
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_taylor_remainders_of_energy_and_forces_vanish_at_their_rates(law, order):
+    tissue = small_tissue(1, 1, order=order, edges=1)
+    bulk = BulkEnergy(tissue.space, [law])
+    at, way = tissue.smooth(0.3, 1), tissue.smooth(1.0, 2)
+    energy, force = bulk.energy(at), bulk.gradient(at)
+    tangent = csr_matrix(bulk.tangent(at))
+    np.testing.assert_allclose(tangent.toarray(), tangent.toarray().T, atol=1e-11)
+    bent = tangent @ way
+    first = [abs(bulk.energy(at + h * way) - energy - h * force @ way) for h in STEPS]
+    second = [
+        abs(bulk.energy(at + h * way) - energy - h * force @ way - h * h / 2 * way @ bent) for h in STEPS
+    ]
+    forces = [np.linalg.norm(bulk.gradient(at + h * way) - force - h * bent) for h in STEPS]
+    np.testing.assert_allclose(rates(first), 2, atol=0.15)
+    np.testing.assert_allclose(rates(second), 3, atol=0.15)
+    np.testing.assert_allclose(rates(forces), 2, atol=0.15)
+
+
+def test_each_body_stores_energy_by_its_own_law():
+    tissue = small_tissue(1, 3, order=1)
+    soft, hard = MooneyRivlinLaw(1.0, 0.5, 10.0), MooneyRivlinLaw(30.0, 0.0, 300.0)
+    gradient = np.array([[0.1, 0.2], [-0.05, 0.15]])
+    field = tissue.space.affine(gradient, np.zeros(2)).ravel()
+    area = tissue.volume / 3
+    expected = area * sum(stored_energy(law, np.eye(2) + gradient) for law in (soft, hard, soft))
+    assert BulkEnergy(tissue.space, [soft, hard, soft]).energy(field) == pytest.approx(expected, rel=1e-12)
+    forces = BulkEnergy(tissue.space, [soft, hard, soft]).gradient(field)
+    lone = BulkEnergy(tissue.space, [hard] * 3).gradient(field)
+    member = np.tile(tissue.space.body_of_unknown == 1, 2)
+    np.testing.assert_allclose(forces[member], lone[member], atol=1e-12)
+
+
+def test_a_law_for_every_body_is_demanded():
+    with pytest.raises(ValueError):
+        BulkEnergy(small_tissue(1, 2).space, [LAW])
+
+
+@pytest.mark.parametrize("order", [1, 2, 4])
+def test_forces_balance_in_any_state(order):
+    tissue = small_tissue(1, 1, order=order)
+    displacement = tissue.smooth(0.3, 5)
+    force = tissue.bulk.gradient(displacement).reshape(2, -1)
+    x, y = tissue.positions(displacement)
+    largest = np.abs(force).max()
+    np.testing.assert_allclose(force @ tissue.space.one, 0, atol=1e-12 * largest)
+    assert (x @ force[1] - y @ force[0]) == pytest.approx(0, abs=1e-11 * largest)  # no torque either
+
+
+def test_an_inverted_element_has_no_energy():
+    tissue = small_tissue(1, 1)
+    mirrored = tissue.space.affine(np.diag([-2.0, 0.0]), np.zeros(2)).ravel()
+    assert np.isnan(tissue.bulk.energy(mirrored))

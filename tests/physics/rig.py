@@ -1,0 +1,163 @@
+"""Bodies wired by hand, from a scene to accepted equilibria, and what is read off them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from netgen import occ
+
+from ngcell.contact.assembly import Assembly
+from ngcell.contact.penalty import PenaltyContact, penalty_stiffness
+from ngcell.contact.walls import find_walls
+from ngcell.geometry.shapes import mesh_shapes
+from ngcell.mechanics.bulk import BulkEnergy
+from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.space import DisplacementSpace
+from ngcell.mechanics.supports import PrescribedMotion, Support
+from ngcell.results.forces import ContactForces, contact_forces
+from ngcell.scene import MooneyRivlin
+from ngcell.scene.bodies import BodyScene, BodySupport
+from ngcell.solve.minimise import Minimiser
+from ngcell.solve.selection import Release
+from ngcell.solve.strategy import Accepted, single_step
+
+
+def rubber(bulk_modulus: float) -> MooneyRivlin:
+    """Mooney-Rivlin of shear modulus 1."""
+    return MooneyRivlin(c1=0.8, c2=0.2, bulk_modulus=bulk_modulus)
+
+
+def ring(inner: float, outer: float, centre: tuple[float, float] = (0.0, 0.0)) -> occ.TopoDS_Shape:
+    return occ.Circle(centre, outer).Face() - occ.Circle(centre, inner).Face()
+
+
+def swelling(boundary: str, radius: float, at_rest: float) -> BodySupport:
+    """A circle about the origin that grows to a radius."""
+    growth = radius / at_rest - 1
+    return BodySupport(boundary, gradient=((growth, 0.0), (0.0, growth)))
+
+
+@dataclass(frozen=True, eq=False)
+class Equilibrium:
+    """An accepted step of a rig."""
+
+    rig: Rig
+    accepted: Accepted
+
+    @property
+    def load_factor(self) -> float:
+        return self.accepted.load_factor
+
+    @property
+    def displacement(self) -> np.ndarray:
+        return self.accepted.minimum.state.displacement
+
+    @cached_property
+    def positions(self) -> np.ndarray:
+        """Deformed positions as unknowns, shape (2, size)."""
+        return self.rig.assembly.positions(self.displacement)
+
+    @cached_property
+    def reactions(self) -> np.ndarray:
+        """Forces that the supports exert, shape (unknowns,)."""
+        return self.rig.assembly.reactions(self.rig.assembly.gradient(self.accepted.minimum.state))
+
+    @property
+    def work_rate(self) -> float:
+        """Work of the supports for each unit of the load factor."""
+        final = self.rig.motion.imposed(np.zeros_like(self.reactions), 1.0)
+        return float(self.reactions @ final)
+
+    @property
+    def contact_forces(self) -> ContactForces:
+        return contact_forces(self.rig.assembly, self.accepted.minimum.state)
+
+    def force(self, boundary: str) -> np.ndarray:
+        """Force of the supports on a boundary, shape (2,)."""
+        return self.rig.motion.resultant(self.reactions, boundary)
+
+    def contact_points(self) -> tuple[np.ndarray, np.ndarray]:
+        """Gap and pressure on the reference length, of all partners."""
+        contact = self.accepted.minimum.state.contact
+        return contact.kinematics.gaps(self.positions), contact.pressures(self.positions)
+
+    def vertices(self, boundary: str) -> np.ndarray:
+        """Deformed vertices of a boundary, shape (n, 2)."""
+        space = self.rig.space
+        unknowns = space.region_unknowns(boundary)
+        return self.positions[:, unknowns[space.one[unknowns] > 0]].T
+
+    def radius(self, boundary: str) -> float:
+        """Mean distance of a boundary's vertices from the origin."""
+        return float(np.linalg.norm(self.vertices(boundary), axis=1).mean())
+
+    def body_energy(self, body: int) -> float:
+        """Stored energy of a body: what is left when all others are put back to rest."""
+        alone = self.displacement.reshape(2, -1) * (self.rig.space.body_of_unknown == body)
+        return self.rig.assembly.bulk.energy(alone.ravel())
+
+
+class Rig:
+    """A scene, wired.
+
+    Parameters
+    ----------
+    scene : BodyScene
+        The bodies.
+    stiffness : float, optional
+        One penalty stiffness for all walls; by default derived from material and mesh.
+    """
+
+    def __init__(self, scene: BodyScene, stiffness: float | None = None) -> None:
+        names = [body.name for body in scene.bodies]
+        self.scene = scene
+        self.bodies = mesh_shapes(
+            [body.shape for body in scene.bodies], names, order=scene.order, size=scene.size
+        )
+        self.space = DisplacementSpace(self.bodies, scene.order)
+        self.laws = [
+            MooneyRivlinLaw(body.material.c1, body.material.c2, body.material.bulk_modulus)
+            for body in scene.bodies
+        ]
+        self.motion = PrescribedMotion(
+            self.space,
+            [
+                Support(support.boundary, np.array(support.gradient), np.array(support.shift), support.components)
+                for support in scene.supports
+            ],
+        )
+        self.assembly = Assembly(
+            self.space, BulkEnergy(self.space, self.laws), self.motion.fixed, contact=self._contact(stiffness)
+        )
+
+    def _contact(self, stiffness: float | None) -> PenaltyContact | None:
+        if not self.bodies.wall_names:
+            return None
+        walls = find_walls(self.bodies, self.space.scalar, self.space.rest)
+        moduli = np.array([law.plane_strain_modulus for law in self.laws])
+        derived = penalty_stiffness(walls, moduli, self.scene.contact.stiffness)
+        chosen = derived if stiffness is None else np.full(walls.edge_count, stiffness)
+        return PenaltyContact(walls, chosen, reach=self.bodies.thickness)
+
+    def walk(self) -> list[Equilibrium]:
+        """Equilibria at the levels."""
+        modulus = max(law.shear_modulus for law in self.laws)
+        volume = float(self.space.one @ self.space.scalar_mass @ self.space.one)
+        minimiser = Minimiser(self.assembly, self.bodies.thickness / 2, energy_scale=modulus * volume)
+        release = Release(modulus / self.bodies.length**2)
+        steps = single_step(minimiser, self.motion, release, steps=self.scene.level_factors)
+        return [Equilibrium(self, accepted) for accepted in steps]
+
+
+def work_is_change_of_energy(path: list[Equilibrium]) -> bool:
+    """Whether the supports' work on the path, by the trapezoidal rule, is the change of energy."""
+    for one, two in pairwise(path):
+        span = two.load_factor - one.load_factor
+        work = span * (one.work_rate + two.work_rate) / 2
+        change = two.accepted.minimum.state.energy - one.accepted.minimum.state.energy
+        if abs(work - change) > 0.5 * span * abs(two.work_rate - one.work_rate):
+            return False
+    return True

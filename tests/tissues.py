@@ -1,0 +1,155 @@
+"""Small tissues, wired by hand: what the tests of mechanics, contact and solve stand on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ngcell.contact.assembly import Assembly, Linearisation
+from ngcell.contact.penalty import PenaltyContact, penalty_stiffness
+from ngcell.contact.tie import Tie, tie_walls
+from ngcell.contact.walls import Walls, find_walls
+from ngcell.geometry.bodies import BodyMesh
+from ngcell.geometry.lattice import Lattice, hexagonal_lattice
+from ngcell.geometry.rings import ring_mesh
+from ngcell.mechanics.bulk import BulkEnergy
+from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.space import DisplacementSpace
+from ngcell.mechanics.supports import PrescribedMotion, Support
+from ngcell.solve.minimise import Minimiser
+
+Array = NDArray[np.float64]
+
+LAW = MooneyRivlinLaw(1.0, 1.0, 100.0)
+#: Longest step of the minimiser; contact is searched in twice this distance.
+LONGEST_STEP = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class SmallTissue:
+    """Cells of side 1 with everything that can be asked of them; `motion` holds what the supports say."""
+
+    lattice: Lattice
+    bodies: BodyMesh
+    space: DisplacementSpace
+    motion: PrescribedMotion
+
+    @cached_property
+    def walls(self) -> Walls:
+        return find_walls(self.bodies, self.space.scalar, self.space.rest)
+
+    @cached_property
+    def bulk(self) -> BulkEnergy:
+        return BulkEnergy(self.space, [LAW] * self.bodies.body_count)
+
+    @cached_property
+    def contact(self) -> PenaltyContact:
+        modulus = np.full(self.bodies.body_count, LAW.plane_strain_modulus)
+        return PenaltyContact(self.walls, penalty_stiffness(self.walls, modulus, 1.0), reach=2 * LONGEST_STEP)
+
+    @cached_property
+    def tie(self) -> Tie:
+        return tie_walls(self.walls, self.space.size)
+
+    @cached_property
+    def released(self) -> Assembly:
+        return Assembly(self.space, self.bulk, self.motion.fixed, contact=self.contact)
+
+    @cached_property
+    def compact(self) -> Assembly:
+        return Assembly(self.space, self.bulk, self.motion.fixed, tie=self.tie)
+
+    @property
+    def volume(self) -> float:
+        return float(self.space.one @ self.space.scalar_mass @ self.space.one)
+
+    def minimiser(self, problem: Assembly) -> Minimiser:
+        longest = LONGEST_STEP if problem.contact is not None else np.inf
+        return Minimiser(problem, longest, energy_scale=LAW.shear_modulus * self.volume)
+
+    def positions(self, displacement: Array) -> Array:
+        return self.space.rest + displacement.reshape(2, -1)
+
+    def rigid_motion(self, angle: float, shift: tuple[float, float] = (0.0, 0.0)) -> Array:
+        """Displacement of a rotation about the origin and a translation after it."""
+        return self.space.affine(rotation(angle) - np.eye(2), np.array(shift)).ravel()
+
+    def body_shift(self, body: int, shift: Array) -> Array:
+        """Displacement that moves one body and leaves the others."""
+        member = (self.space.body_of_unknown == body) * self.space.one
+        return (np.asarray(shift)[:, None] * member).ravel()
+
+    def smooth(self, amplitude: float, seed: int) -> Array:
+        """A random displacement, smooth over each body, that bends walls."""
+        random = np.random.default_rng(seed)
+        x, y = self.space.rest
+        centre = self.lattice.centres[self.space.body_of_unknown]
+        x, y = x - centre[:, 0] * self.space.one, y - centre[:, 1] * self.space.one
+        noise = amplitude * 0.05 * random.standard_normal((2, self.space.size)) * (self.space.one == 0)
+        terms = [self.space.one * part for part in (x, y, x * y, x * x - y * y, x**3 - y)]
+        mix = random.standard_normal((2, len(terms), self.bodies.body_count)) / len(terms)
+        field = sum(mix[:, k, self.space.body_of_unknown] * term for k, term in enumerate(terms))
+        return (amplitude * field + noise).ravel()
+
+
+def rotation(angle: float) -> Array:
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+
+
+def small_tissue(
+    rows: int,
+    cols: int,
+    *,
+    order: int = 2,
+    edges: int = 2,
+    wall: float = 0.2,
+    radius: float = 0.0,
+    travel: tuple[float, float] = (0.0, 0.0),
+    pointy: bool = True,
+    supports: dict[str, NDArray[np.bool_]] | None = None,
+) -> SmallTissue:
+    """Cells between plates: the regions ``low``, held, and ``high``, moved by `travel`; or other supports."""
+    lattice = hexagonal_lattice(rows, cols, side=1.0, pointy=pointy)
+    if supports is None:
+        supports = {"low": lattice.hull_walls(0, -1), "high": lattice.hull_walls(rows - 1, 1)}
+    bodies = ring_mesh(lattice, wall=wall, radius=radius, edges=edges, layers=1, supports=supports)
+    space = DisplacementSpace(bodies, order)
+    return SmallTissue(lattice, bodies, space, plates(space, supports, np.array(travel)))
+
+
+def plates(space: DisplacementSpace, regions: dict[str, NDArray], travel: Array) -> PrescribedMotion:
+    """The first region is held, the others move; the carried field grows in proportion along the way."""
+    still = np.zeros((2, 2))
+    shifts = [np.zeros(2), *[travel] * (len(regions) - 1)]
+    held = [Support(name, still, shift) for name, shift in zip(regions, shifts, strict=True)]
+    if len(held) < 2:
+        return PrescribedMotion(space, held)
+    low, high = (space.rest[:, _vertices(space, name)].mean(1) for name in list(regions)[:2])
+    way = (high - low) / ((high - low) @ (high - low))
+
+    def carried(at: Array) -> Array:
+        return travel[:, None] * np.clip(way @ (at - low[:, None]), 0, 1)
+
+    return PrescribedMotion(space, held, carried)
+
+
+def _vertices(space: DisplacementSpace, region: str) -> NDArray[np.int64]:
+    unknowns = space.region_unknowns(region)
+    return unknowns[space.one[unknowns] > 0]
+
+
+def dense_stiffness(problem: Assembly, line: Linearisation) -> Array:
+    """The whole tangent as a full matrix: bulk, curvature of the contacts, springs of closed ones."""
+    rows, columns = problem.pattern
+    size = len(problem.free)
+    matrix = np.zeros((size, size))
+    np.add.at(matrix, (rows, columns), line.stiffness)
+    matrix = matrix + np.tril(matrix, -1).T
+    if line.curvature is not None:
+        matrix += line.curvature.toarray()
+        closed = line.jacobian[np.flatnonzero(line.gap < 0)].toarray()
+        matrix += closed.T @ (line.spring[line.gap < 0][:, None] * closed)
+    return matrix
