@@ -1,13 +1,21 @@
-"""The normal gap and its first two derivatives, with partners held fixed.
+"""The normal gap and its first two derivatives: the signed distance to the outline of the other body.
 
 With ``a`` from the closest secondary point to the primary point, and ``t`` the deformed secondary tangent, the gap is
 
-    g = side (a_x t_y - a_y t_x) / |t|        (foot of a normal: the secondary side's deformed normal)
-    g = sign |a|                              (end of an edge)
+    g = side (a_x t_y - a_y t_x) / |t|        (foot of a normal: the secondary side's deformed normal n)
+    g = sign |a|                              (joint of two edges)
 
-and open gaps are positive. Since ``a`` is parallel to the normal where the partner was found, moving the partner along
-the secondary wall changes g by second order only: Newton's method with the partners found anew in each iteration
-converges quadratically, although their motion is left out of the tangent.
+and open gaps are positive. As the closest point is where the distance is stationary, the first derivatives with the partner held
+fixed are those with the partner following. The second derivatives are not: along a curved wall the foot moves, by
+
+    d xi = (t . da + g n . dt) / D,   D = |t|^2 - g n . x''        (x'' the second derivative along the wall)
+
+and differentiating ``dg = n . da`` once more gives, with p = t . da, q = n . dt and c = n . x'',
+
+    d2g = -(c p^2 / |t|^2 + 2 p q + g q^2) / D.
+
+On straight walls c = 0, and this is the second derivative with the partner fixed. Residual and tangent so belong to one
+energy, the one with partners found anew in every state, and Newton's method on it converges quadratically.
 """
 
 from __future__ import annotations
@@ -34,8 +42,8 @@ class GapKinematics:
         The partners, n of them.
     dofs : array of int, shape (n, 2 (order + 1))
         Scalar unknowns of the primary and of the secondary edge.
-    offset, tangent : array of float, shape (n, 2 (order + 1))
-        Factors of those unknowns in a component of ``a`` and of ``t``.
+    offset, tangent, bend : array of float, shape (n, 2 (order + 1))
+        Factors of those unknowns in a component of ``a``, of ``t`` and of ``x''``.
     side : array of float, shape (n,)
         Side of the secondary edge.
     weight : array of float, shape (n,)
@@ -46,6 +54,7 @@ class GapKinematics:
     dofs: NDArray[np.int64]
     offset: Array
     tangent: Array
+    bend: Array
     side: Array
     weight: Array
 
@@ -76,11 +85,16 @@ class GapKinematics:
         return gap, np.column_stack([by_offset, by_tangent])
 
     def curvatures(self, positions: Array, chosen: NDArray[np.int64]) -> Array:
-        """Return the second derivatives of chosen gaps by ``(a, t)``; shape (chosen, 4, 4)."""
+        """Return the second derivatives of chosen gaps by ``(a, t)``, partners following; shape (chosen, 4, 4).
+
+        They hold in the state in which the partners were found.
+        """
         a, t = (vector[chosen] for vector in self.vectors(positions))
-        end, side = self.partners.at_end[chosen], self.side[chosen]
-        sign = self.partners.sign[chosen]
-        return np.where(end[:, None, None], _end_curvature(a, sign), _foot_curvature(a, t, side))
+        bend = (positions[:, self.dofs[chosen]] * self.bend[chosen]).sum(2).T
+        gap = self._gap(*self.vectors(positions))[chosen]
+        end, sign = self.partners.at_end[chosen], self.partners.sign[chosen]
+        foot = _foot_curvature(gap, t, self.side[chosen], bend)
+        return np.where(end[:, None, None], _end_curvature(a, sign), foot)
 
     def jacobian(self, slopes: Array, columns: int) -> sparse.csr_array:
         """Return the derivatives of all gaps by the unknowns, from `slopes`; shape (n, 2 columns)."""
@@ -118,11 +132,13 @@ def gap_kinematics(walls: Walls, partners: Partners) -> GapKinematics:
     primary = walls.trace(partners.edge, walls.stations[partners.station])
     secondary = walls.trace(partners.other, partners.xi)
     slope = walls.trace(partners.other, partners.xi, derivative=1)
+    bend = walls.trace(partners.other, partners.xi, derivative=2)
     return GapKinematics(
         partners=partners,
         dofs=np.concatenate([walls.dofs[partners.edge], walls.dofs[partners.other]], axis=1),
         offset=np.concatenate([primary, -secondary], axis=1),
         tangent=np.concatenate([np.zeros_like(primary), slope], axis=1),
+        bend=np.concatenate([np.zeros_like(primary), bend], axis=1),
         side=walls.side[partners.other],
         weight=walls.weights[partners.edge, partners.station],
     )
@@ -136,19 +152,16 @@ def _end_curvature(a: Array, sign: Array) -> Array:
     return block
 
 
-def _foot_curvature(a: Array, t: Array, side: Array) -> Array:
-    """Second derivative of ``c / s`` with ``c = a x t`` and ``s = |t|``."""
-    speed = np.linalg.norm(t, axis=1)[:, None, None]
-    cross = (a[:, 0] * t[:, 1] - a[:, 1] * t[:, 0])[:, None, None]
-    turn = np.array([[0.0, 1.0], [-1.0, 0.0]])
-    cross_slope = np.column_stack([t[:, 1], -t[:, 0], -a[:, 1], a[:, 0]])
-    direction = t / speed[:, 0]
-    speed_slope = np.column_stack([np.zeros_like(a), direction])
-    block = np.zeros((len(a), 4, 4))
-    block[:, :2, 2:] = turn / speed
-    block[:, 2:, :2] = turn.T / speed
-    mixed = cross_slope[:, :, None] * speed_slope[:, None, :]
-    block -= (mixed + mixed.transpose(0, 2, 1)) / speed**2
-    block += 2 * cross / speed**3 * speed_slope[:, :, None] * speed_slope[:, None, :]
-    block[:, 2:, 2:] -= cross / speed**3 * (np.eye(2) - direction[:, :, None] * direction[:, None, :])
-    return side[:, None, None] * block
+def _foot_curvature(gap: Array, t: Array, side: Array, bend: Array) -> Array:
+    speed2 = np.einsum("pd,pd->p", t, t)
+    normal = side[:, None] * np.column_stack([t[:, 1], -t[:, 0]]) / np.sqrt(speed2)[:, None]
+    bulge = np.einsum("pd,pd->p", normal, bend)
+    along = np.column_stack([t, np.zeros_like(t)])
+    across = np.column_stack([np.zeros_like(t), normal])
+    mixed = along[:, :, None] * across[:, None, :]
+    block = mixed + mixed.transpose(0, 2, 1)
+    block += (bulge / speed2)[:, None, None] * along[:, :, None] * along[:, None, :]
+    block += gap[:, None, None] * across[:, :, None] * across[:, None, :]
+    # Beyond the centre of curvature of the wall the foot is no longer the closest point.
+    stiffness = np.maximum(speed2 - gap * bulge, 0.1 * speed2)
+    return -block / stiffness[:, None, None]

@@ -95,8 +95,8 @@ class PartnerSearch:
         keep = _best_chords(edge * count + station, walls.body[other], point, nodes[other], self.reach)
         edge, station, other, point = edge[keep], station[keep], other[keep], point[keep]
         xi, distance = _closest(walls, nodes[other], point)
-        distance = _joints_apart(walls, nodes, other, point, distance)
-        best = _smallest_of_group((edge * count + station) * (walls.body.max() + 1) + walls.body[other], distance)
+        group = (edge * count + station) * (walls.body.max() + 1) + walls.body[other]
+        best = _smallest_of_group(group, _joints_apart(walls, nodes, other, point, distance))
         best = best[distance[best] <= self.reach]
         return _classified(walls, nodes, edge[best], station[best], other[best], xi[best], point[best])
 
@@ -142,8 +142,7 @@ def nearest_on_body(walls: Walls, nodes: Array, point: Array, body: Index) -> Ar
     keep = _best_chords(row, walls.body[other], point[row], nodes[other], np.inf)
     row, other = row[keep], other[keep]
     xi, distance = _closest(walls, nodes[other], point[row])
-    distance = _joints_apart(walls, nodes, other, point[row], distance)
-    best = _smallest_of_group(row, distance)
+    best = _smallest_of_group(row, _joints_apart(walls, nodes, other, point[row], distance))
     found = _classified(walls, nodes, row[best], row[best], other[best], xi[best], point[row[best]])
     signed = distance[best]
     signed[found.edge] *= found.sign

@@ -17,6 +17,9 @@ from ngcell.geometry.bodies import BodyMesh
 
 Array = NDArray[np.float64]
 
+#: Share of the extent below which a bubble of the coordinates is round-off.
+_NO_BUBBLE = 1e-10
+
 
 class DisplacementSpace:
     """Continuous displacements on separate bodies.
@@ -53,11 +56,15 @@ class DisplacementSpace:
     def rest(self) -> Array:
         """Reference coordinates as unknowns, shape (dimension, size) [length]."""
         field = ngsolve.GridFunction(self.scalar)
-        rows = []
-        for coordinate in (ngsolve.x, ngsolve.y, ngsolve.z)[: self.dimension]:
+        points = np.array([vertex.point for vertex in self.bodies.mesh.vertices]).T
+        rows = np.zeros((self.dimension, self.size))
+        for row, coordinate in zip(rows, (ngsolve.x, ngsolve.y, ngsolve.z), strict=False):
             field.Set(coordinate)
-            rows.append(field.vec.FV().NumPy().copy())
-        return np.array(rows)
+            row[:] = field.vec.FV().NumPy()
+        # The projection leaves round-off in the bubbles of straight elements, the more the higher the order.
+        rows[np.abs(rows) < _NO_BUBBLE * np.abs(points).max()] = 0
+        rows[:, : points.shape[1]] = points
+        return rows
 
     @cached_property
     def one(self) -> Array:

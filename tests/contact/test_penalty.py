@@ -1,0 +1,150 @@
+"""The penalty energy: one energy with its forces and stiffness, on both sides of the kink."""
+
+from __future__ import annotations
+
+import ngsolve
+import numpy as np
+import pytest
+
+from ngcell.contact.facing import find_facing
+from ngcell.contact.penalty import PenaltyContact, penalty_stiffness
+from tests.tissues import LAW, SmallTissue, dense_stiffness, small_tissue
+
+
+def moved(tissue: SmallTissue, depth: float, amplitude: float = 0.02) -> np.ndarray:
+    """Bent walls, the right cell pushed in by `depth` and along by 0.2."""
+    return tissue.smooth(amplitude, 3) + tissue.body_shift(1, np.array([-depth, 0.2]))
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("depth", [-0.08, 0.01, 0.06])
+def test_forces_and_tangent_are_derivatives_of_one_energy(order, depth):
+    """Bulk and springs together: at the first depth all walls are open, at the others not."""
+    tissue = small_tissue(1, 2, order=order)
+    problem, at = tissue.released, moved(tissue, depth)
+    state = problem.at(at)
+    gap, slopes, _ = state.contact.springs(tissue.positions(at))
+    assert len(gap) and (gap > 0).all() == (depth < 0)
+    way = tissue.smooth(1.0, 8)
+    step = min(1e-5, 0.5 * np.min(np.abs(gap) / np.abs(slopes @ way)))  # no wall closes or opens on the way
+    after, before = problem.at(at + step * way), problem.at(at - step * way)
+    force = problem.gradient(state)
+    assert (after.energy - before.energy) / (2 * step) == pytest.approx(force @ way, rel=1e-7)
+    bent = dense_stiffness(problem, problem.linearise(state)) @ way
+    change = (problem.gradient(after) - problem.gradient(before)) / (2 * step)
+    np.testing.assert_allclose(change, bent, atol=1e-6 * np.abs(bent).max())
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("depth", [0.01, 0.06])
+def test_partners_may_be_frozen_without_changing_the_forces(order, depth):
+    tissue = small_tissue(1, 2, order=order)
+    state, step = tissue.released.at(moved(tissue, depth)), 1e-5
+    force = tissue.released.contact_force(state)
+    for seed in (8, 9):
+        way = tissue.smooth(1.0, seed)
+        after, before = (tissue.positions(state.displacement + size * way) for size in (step, -step))
+        rise = state.contact.energy(after) - state.contact.energy(before)
+        assert rise / (2 * step) == pytest.approx(force @ way, rel=1e-6)
+
+
+def test_forces_vanish_when_the_walls_part_and_set_in_without_a_jump():
+    tissue = small_tissue(1, 2)
+    problem = tissue.released
+    forces = []
+    for depth in (-1e-3, -1e-9, 1e-9, 1e-6, 1e-3):
+        state = problem.at(tissue.body_shift(1, np.array([-depth, 0.0])))
+        forces.append(np.abs(problem.contact_force(state)).sum())
+    assert forces[0] == forces[1] == 0
+    np.testing.assert_allclose(np.array(forces[2:]) / forces[-1], [1e-6, 1e-3, 1], rtol=0.05)
+
+
+def test_forces_between_bodies_are_equal_and_opposite_and_push_apart():
+    tissue = small_tissue(1, 2, order=3)
+    state = tissue.released.at(moved(tissue, 0.03))
+    force = tissue.released.contact_force(state).reshape(2, -1)
+    x, y = tissue.positions(state.displacement)
+    on_right = tissue.space.body_of_unknown == 1
+    push = (force * tissue.space.one)[:, on_right].sum(1)
+    assert push[0] < 0  # the gradient falls towards the right: the right cell is pushed that way
+    np.testing.assert_allclose(force @ tissue.space.one, 0, atol=1e-12)
+    assert x @ force[1] - y @ force[0] == pytest.approx(0, abs=1e-11)
+
+
+def test_pressures_integrate_to_the_force():
+    tissue = small_tissue(1, 2, edges=4)
+    positions = tissue.positions(tissue.body_shift(1, np.array([-0.002, 0.0])))
+    contact = tissue.contact.pair(positions)
+    pressure, kinematics = contact.pressures(positions), contact.kinematics
+    on_left = tissue.walls.body[kinematics.partners.edge] == 0
+    total = (pressure * kinematics.weight)[on_left].sum()
+    stiffness = LAW.plane_strain_modulus / tissue.walls.depth[0]
+    assert pressure.max() == pytest.approx(stiffness * 0.002, rel=1e-9)
+    assert total == pytest.approx(stiffness * 0.002, rel=0.01)  # a wall of length 1, its tips slightly less
+    assert (pressure >= 0).all()
+
+
+@pytest.mark.parametrize("order", [2, 3])
+def test_exchanging_the_bodies_changes_nothing(order):
+    tissue = small_tissue(1, 2, order=order)
+    middle = tissue.lattice.centres.mean(0)
+    x, y = ngsolve.x - middle[0], ngsolve.y - middle[1]
+    soft_and_hard = np.where(tissue.walls.body == 0, 1.0, 7.0)
+
+    def bend(sign: float) -> ngsolve.CF:
+        """One body's displacement; seen from the other end of the tissue for sign -1."""
+        a, b = sign * x, sign * y
+        return sign * ngsolve.CF((0.04 - 0.05 * b * b + 0.02 * a * b, 0.1 + 0.1 * a - 0.05 * a * a))
+
+    def push(sign: float) -> ngsolve.CF:
+        a, b = sign * x, sign * y
+        return sign * ngsolve.CF((-0.03 * b + 0.02 * a * a, 0.05 * a * b))
+
+    def energy(first: ngsolve.CF, second: ngsolve.CF, stiffness: np.ndarray) -> float:
+        field = ngsolve.GridFunction(tissue.space.vector)
+        field.Set(tissue.bodies.mesh.MaterialCF({"cell0": first, "cell1": second}))
+        positions = tissue.positions(field.vec.FV().NumPy())
+        contact = PenaltyContact(tissue.walls, stiffness, 0.2).pair(positions)
+        return contact.energy(positions)
+
+    one = energy(bend(1), push(1), soft_and_hard)
+    other = energy(push(-1), bend(-1), 8.0 - soft_and_hard)
+    assert one > 1e-5
+    assert other == pytest.approx(one, rel=1e-9)
+
+
+def test_a_pair_is_as_stiff_as_its_softer_body_and_proportional_to_the_multiple():
+    tissue = small_tissue(1, 2)
+    moduli = np.array([1.0, 50.0])
+    positions = tissue.positions(tissue.body_shift(1, np.array([-0.01, 0.0])))
+
+    def energy(of_body: np.ndarray, multiple: float) -> float:
+        stiffness = penalty_stiffness(tissue.walls, of_body, multiple)
+        return PenaltyContact(tissue.walls, stiffness, 0.1).pair(positions).energy(positions)
+
+    assert energy(moduli, 1.0) == pytest.approx(energy(np.ones(2), 1.0), rel=1e-12)
+    assert energy(moduli, 3.0) == pytest.approx(3 * energy(moduli, 1.0), rel=1e-12)
+
+
+@pytest.mark.parametrize("radius", [0.0, 0.1])
+@pytest.mark.parametrize("order", [1, 2, 3, 4])
+def test_rigid_rotation_of_the_tissue_leaves_zero_stress_and_zero_gap(order, radius):
+    tissue = small_tissue(3, 3, order=order, radius=radius)
+    displacement = tissue.rigid_motion(1.0, (5.0, -2.0))
+    at, positions = tissue.released.at(displacement), tissue.positions(displacement)
+    facing = find_facing(tissue.walls, 1e-3)
+    gaps = facing.gaps(tissue.walls, tissue.walls.nodes(positions))
+    before = facing.gaps(tissue.walls, tissue.walls.rest)
+    size = 12.0
+    assert np.abs(gaps - before).max() < 1e-12
+    assert np.abs(before).max() < 1e-12 or radius > 0
+    assert at.contact.energy(positions) < 1e-26 * LAW.bulk_modulus * size**2
+    # Energies are differences of numbers of order one: round-off leaves 1e-16 of the modulus, not its square.
+    assert abs(tissue.bulk.energy(displacement)) < 1e-14 * LAW.shear_modulus * tissue.volume
+    assert np.abs(tissue.released.gradient(at)).max() < 1e-11 * LAW.bulk_modulus
+    deformation = ngsolve.Id(2) + ngsolve.Grad(tissue.space.function(displacement))
+    places = tissue.lattice.centres + 0.9 * tissue.lattice.corners[0]
+    points = [tissue.bodies.mesh(*place) for place in places]
+    numbers = np.zeros((len(points), 3, 3)) + np.eye(3)
+    numbers[:, :2, :2] = [np.reshape(deformation(point), (2, 2)) for point in points]
+    assert np.abs(LAW.cauchy_stress(numbers)).max() < 1e-12 * LAW.bulk_modulus
