@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
@@ -20,7 +20,7 @@ from threadpoolctl import threadpool_limits
 from ngcell.clock import Clock
 from ngcell.contact.assembly import Assembly
 from ngcell.contact.facing import count_corners, find_facing
-from ngcell.contact.penalty import PenaltyContact, penalty_stiffness
+from ngcell.contact.penalty import DEFAULT_MULTIPLE, PenaltyContact, penalty_stiffness, softer_multiples
 from ngcell.contact.tie import tie_walls
 from ngcell.contact.walls import find_walls
 from ngcell.errors import NotConverged
@@ -41,7 +41,7 @@ from ngcell.scene import Case, Sddp, resolved_toml
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.selection import Release
-from ngcell.solve.strategy import Accepted, StepFailed, compact_then_released, single_step
+from ngcell.solve.strategy import Accepted, Released, StepFailed, compact_then_released, single_step
 
 _log = logging.getLogger(__name__)
 
@@ -107,8 +107,11 @@ class Simulation:
     @cached_property
     def released(self) -> Assembly:
         """The tissue with its walls in unilateral contact."""
+        return self._in_contact(DEFAULT_MULTIPLE * self.case.contact.stiffness)
+
+    def _in_contact(self, multiple: float) -> Assembly:
         moduli = np.array([law.plane_strain_modulus for law in self.bulk.laws])
-        stiffness = penalty_stiffness(self.walls, moduli, self.case.contact.stiffness)
+        stiffness = penalty_stiffness(self.walls, moduli, multiple)
         contact = PenaltyContact(self.walls, stiffness, reach=2 * self.longest_step)
         return Assembly(self.space, self.bulk, self.motion.fixed, contact=contact)
 
@@ -131,16 +134,22 @@ class Simulation:
             started = perf_counter()
 
     def _accepted(self) -> Iterator[Accepted]:
-        shear_modulus = max(law.shear_modulus for law in self.bulk.laws)
-        release = Release(scale=shear_modulus / self.bodies.length**2)
         levels = self.case.load.level_factors
-        released = self._minimiser(self.released, self.longest_step)
         if isinstance(self.case.strategy, Sddp):
             compact = self._minimiser(self.compact, np.inf)
             return compact_then_released(
-                compact, released, self.motion, release, steps=self._steps(), levels=levels
+                compact, self._released(), self.motion, steps=self._steps(), levels=levels
             )
-        return single_step(released, self.motion, release, steps=self._steps())
+        return single_step(self._released(), self.motion, steps=self._steps())
+
+    def _released(self) -> Released:
+        meant = DEFAULT_MULTIPLE * self.case.contact.stiffness
+        ladder = [self._in_contact(multiple) for multiple in softer_multiples(meant)]
+        minimisers = [
+            self._minimiser(assembly, self.longest_step) for assembly in (*ladder, self.released)
+        ]
+        shear_modulus = max(law.shear_modulus for law in self.bulk.laws)
+        return Released(tuple(minimisers), Release(scale=shear_modulus / self.bodies.length**2))
 
     def _minimiser(self, assembly: Assembly, longest_step: float) -> Minimiser:
         modulus = max(law.shear_modulus for law in self.bulk.laws)
@@ -256,10 +265,7 @@ class Recording:
         clock.seconds["imports"] = process_time()
         steps: list[Step] = []
         started = perf_counter()
-        with (
-            ResultFolder(self._out, case_text=resolved_toml(self._case)) as folder,
-            threadpool_limits(1, user_api="blas"),
-        ):
+        with ResultFolder(self._out, case_text=resolved_toml(self._case)) as folder:
             simulation = Simulation(self._case, clock)
             outcome, message = None, ""
             with _threads(self._threads, simulation.space.unknowns):
@@ -302,8 +308,9 @@ def simulate(case: Case) -> list[Step]:
     """
     steps: list[Step] = []
     try:
-        with threadpool_limits(1, user_api="blas"):
-            steps.extend(Simulation(case).walk())
+        simulation = Simulation(case)
+        with _threads(None, simulation.space.unknowns):
+            steps.extend(simulation.walk())
     except StepFailed as failure:
         raise NotConverged(
             f"at load factor {failure.load_factor:.6g}: {failure.outcome.value}",
@@ -379,11 +386,8 @@ def _seconds(clock: Clock, wall: float) -> dict[str, Any]:
 
 @contextmanager
 def _threads(asked: int | None, unknowns: int) -> Iterator[None]:
-    """Let NGSolve use more than one thread where that pays, or where it is asked for."""
+    """Let NGSolve use more than one thread where that pays, or where it is asked for; dense blocks get one each."""
     count = asked or (1 if unknowns < _UNKNOWNS_FOR_THREADS else os.cpu_count() or 1)
     ngsolve.SetNumThreads(count)
-    if count == 1:
-        yield
-        return
-    with ngsolve.TaskManager():
+    with threadpool_limits(1, user_api="blas"), ngsolve.TaskManager() if count > 1 else nullcontext():
         yield

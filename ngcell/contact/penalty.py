@@ -22,6 +22,20 @@ from ngcell.contact.walls import Walls
 
 Array = NDArray[np.float64]
 
+#: Stiffness of the contact that is meant, and of the one with which release paths are walked, in layers of elements: the
+#: softer one is as stiff as the layer behind the wall, and costs a third of the iterations. In between it rises by
+#: steps of `LADDER`.
+DEFAULT_MULTIPLE, PATH_MULTIPLE, LADDER = 10.0, 1.0, 10.0
+
+
+def softer_multiples(meant: float) -> list[float]:
+    """Return the multiples of the stiffness that lead up to the one that is meant, softest first."""
+    multiples, multiple = [], PATH_MULTIPLE
+    while multiple < meant * (1 - 1e-9):
+        multiples.append(multiple)
+        multiple *= LADDER
+    return multiples
+
 
 @dataclass(frozen=True, eq=False)
 class ContactSet:
@@ -91,9 +105,14 @@ class PenaltyContact:
         """Return rows and columns of all scalar unknowns that contact could couple while nothing moves by more
         than half of `margin` [length]."""
         one, two = near_edges(self.walls, self.walls.nodes(positions), self.reach + margin)
-        dofs = np.concatenate([self.walls.dofs[one], self.walls.dofs[two]], axis=1)
-        width = dofs.shape[1]
-        return np.repeat(dofs, width, axis=1).ravel(), np.tile(dofs, (1, width)).ravel()
+        count, width = self.walls.dofs.shape
+        touches = sparse.csr_array(
+            (np.ones(count * width), self.walls.dofs.ravel(), width * np.arange(count + 1)),
+            shape=(count, positions.shape[1]),
+        )
+        near = sparse.csr_array((np.ones(len(one)), (one, two)), shape=(count, count))
+        row, column = (touches.T @ (near + sparse.eye_array(count)) @ touches).tocoo().coords
+        return row.astype(np.int64), column.astype(np.int64)
 
 
 def penalty_stiffness(walls: Walls, modulus_of_body: Array, multiple: float) -> Array:

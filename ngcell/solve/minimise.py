@@ -37,7 +37,7 @@ ROUND_OFF, NO_DECREMENT = 1e-13, 1e-18
 TOUCHING = 1e-6
 MOST_REFUSALS = 25
 #: Room for contacts to come, in longest steps: a wider one means fewer, but fuller matrices.
-MARGIN = 3.0
+MARGIN = 2.0
 
 
 class Ending(Enum):
@@ -61,6 +61,9 @@ class Effort:
 
     def __sub__(self, other: Effort) -> Effort:
         return Effort(**{name: getattr(self, name) - getattr(other, name) for name in vars(self)})
+
+    def __add__(self, other: Effort) -> Effort:
+        return Effort(**{name: getattr(self, name) + getattr(other, name) for name in vars(self)})
 
     def copy(self) -> Effort:
         """Return a copy that no longer changes."""

@@ -18,7 +18,7 @@ Numbers: the scale of the strength is shear modulus over cell size squared, whic
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,36 +58,42 @@ class Release:
         for step in range(steps + 1):
             yield self.scale * self.first * (self.last / self.first) ** (step / steps)
 
-    def select(self, minimiser: Minimiser, start: Array, anchor: Array) -> Minimum:
+    def select(self, minimisers: Sequence[Minimiser], start: Array, anchor: Array) -> Minimum:
         """Walk the path and return its end; a minimisation that fails ends the walk.
 
         Parameters
         ----------
-        minimiser : Minimiser
-            Of the released problem.
+        minimisers : sequence of Minimiser
+            Of the released problem, with contact from soft to stiff: the path is walked with the first, and at its end the
+            others take over one after the other.
         start, anchor : array of float, shape (unknowns,)
             Where the walk starts and where the tether pulls to [length].
         """
-        minimum = None
-        strengths = list(self.strengths())
-        for strength in strengths:
-            tether = Tether(strength, anchor)
-            place = start if minimum is None else minimum.state.displacement
-            share = AT_THE_END if strength == strengths[-1] else ON_THE_WAY
-            before = minimiser.effort.copy()
-            minimum = minimiser.minimise(place, tether, share * minimiser.tether_energy(place, tether))
-            spent = minimiser.effort - before
-            _log.info(
-                "tether %.0e: %s, %d iterations, %d factorisations, %d refused, energy %.8e, decrement %.0e",
-                strength / self.scale,
-                minimum.ending.value,
-                spent.iterations,
-                spent.factorisations,
-                spent.refusals,
-                minimum.state.energy,
-                minimum.decrement,
-            )
+        *strengths, last = self.strengths()
+        walk = [(minimisers[0], strength, ON_THE_WAY) for strength in strengths]
+        walk += [(minimiser, last, ON_THE_WAY) for minimiser in minimisers[1:-1]]
+        walk += [(minimisers[-1], last, AT_THE_END)]
+        place = start
+        for minimiser, strength, share in walk:
+            minimum = _minimise(minimiser, place, Tether(strength, anchor), share, strength / self.scale)
             if minimum.ending is not Ending.CONVERGED:
                 break
-        assert minimum is not None
+            place = minimum.state.displacement
         return minimum
+
+
+def _minimise(minimiser: Minimiser, start: Array, tether: Tether, share: float, name: float) -> Minimum:
+    before = minimiser.effort.copy()
+    minimum = minimiser.minimise(start, tether, share * minimiser.tether_energy(start, tether))
+    spent = minimiser.effort - before
+    _log.info(
+        "tether %.0e: %s, %d iterations, %d factorisations, %d refused, energy %.8e, decrement %.0e",
+        name,
+        minimum.ending.value,
+        spent.iterations,
+        spent.factorisations,
+        spent.refusals,
+        minimum.state.energy,
+        minimum.decrement,
+    )
+    return minimum

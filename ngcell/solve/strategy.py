@@ -77,11 +77,50 @@ class StepFailed(Exception):
         self.load_factor = load_factor
 
 
+@dataclass(frozen=True, eq=False)
+class Released:
+    """The released problem and the path on which its equilibria are selected.
+
+    Attributes
+    ----------
+    minimisers : tuple of Minimiser
+        With contact from the softest, which the path is walked with, to the one that is meant.
+    path : Release
+        The path.
+    """
+
+    minimisers: tuple[Minimiser, ...]
+    path: Release
+
+    @property
+    def effort(self) -> Effort:
+        """What was spent so far."""
+        return sum((minimiser.effort for minimiser in self.minimisers), Effort())
+
+    def predict(self, displacement: Array, imposed: Array) -> Array:
+        """Return the displacement that follows, to first order, when prescribed values jump."""
+        return self.minimisers[-1].predict(displacement, imposed, self.path.scale * self.path.last)
+
+    def step(self, start: Array, anchor: Array, load: float) -> Accepted:
+        """Return the selected equilibrium.
+
+        Raises
+        ------
+        StepFailed
+            If a minimisation on the path fails.
+        """
+        before = self.effort
+        minimum = self.path.select(self.minimisers, start, anchor)
+        if minimum.ending is not Ending.CONVERGED:
+            raise StepFailed(Outcome.RELEASE_FAILED, load)
+        tether = Tether(list(self.path.strengths())[-1], anchor)
+        return Accepted("contact", load, minimum, tether, self.effort - before)
+
+
 def compact_then_released(
     compact: Minimiser,
-    released: Minimiser,
+    released: Released,
     motion: Motion,
-    release: Release,
     *,
     steps: Sequence[float],
     levels: Sequence[float],
@@ -101,7 +140,7 @@ def compact_then_released(
         if any(np.isclose(target, level) for level in levels):
             start = compact.problem.expand(displacement)
             anchor = motion.carried(target) if motion.has_carried_field else start
-            yield _release(released, release, start, anchor, target)
+            yield released.step(start, anchor, target)
 
 
 def _compact_step(
@@ -124,9 +163,8 @@ def _compact_step(
 
 
 def single_step(
-    released: Minimiser,
+    released: Released,
     motion: Motion,
-    release: Release,
     *,
     steps: Sequence[float],
 ) -> Iterator[Accepted]:
@@ -141,22 +179,22 @@ def single_step(
     for target in steps:
         if motion.has_carried_field:
             anchor = motion.carried(target)
-            step = _release(released, release, anchor, anchor, target)
+            step = released.step(anchor, anchor, target)
         else:
-            step = _incremental_step(released, motion, release, displacement, load, target)
+            step = _incremental_step(released, motion, displacement, load, target)
         load, displacement = target, step.minimum.state.displacement
         yield step
 
 
 def _incremental_step(
-    released: Minimiser, motion: Motion, release: Release, displacement: Array, load: float, target: float
+    released: Released, motion: Motion, displacement: Array, load: float, target: float
 ) -> Accepted:
-    before, reached, increment, halvings = released.effort.copy(), load, target - load, 0
+    before, reached, increment, halvings = released.effort, load, target - load, 0
     while True:
         goal = min(reached + increment, target)
-        anchor = released.predict(displacement, motion.imposed(displacement, goal), release.scale * release.last)
+        anchor = released.predict(displacement, motion.imposed(displacement, goal))
         try:
-            step = _release(released, release, anchor, anchor, goal)
+            step = released.step(anchor, anchor, goal)
         except StepFailed:
             increment, halvings = increment / 2, halvings + 1
             if halvings > MOST_HALVINGS:
@@ -165,12 +203,3 @@ def _incremental_step(
         displacement, reached = step.minimum.state.displacement, goal
         if reached == target:
             return Accepted("contact", target, step.minimum, step.tether, released.effort - before)
-
-
-def _release(released: Minimiser, release: Release, start: Array, anchor: Array, load: float) -> Accepted:
-    before = released.effort.copy()
-    minimum = release.select(released, start, anchor)
-    if minimum.ending is not Ending.CONVERGED:
-        raise StepFailed(Outcome.RELEASE_FAILED, load)
-    tether = Tether(list(release.strengths())[-1], anchor)
-    return Accepted("contact", load, minimum, tether, released.effort - before)

@@ -22,7 +22,7 @@ from ngcell.scene import MooneyRivlin
 from ngcell.scene.bodies import BodyScene, BodySupport
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.selection import Release
-from ngcell.solve.strategy import Accepted, single_step
+from ngcell.solve.strategy import Accepted, Released, single_step
 
 
 def rubber(bulk_modulus: float) -> MooneyRivlin:
@@ -147,8 +147,8 @@ class Rig:
         modulus = max(law.shear_modulus for law in self.laws)
         volume = float(self.space.one @ self.space.scalar_mass @ self.space.one)
         minimiser = Minimiser(self.assembly, self.bodies.thickness / 2, energy_scale=modulus * volume)
-        release = Release(modulus / self.bodies.length**2)
-        steps = single_step(minimiser, self.motion, release, steps=self.scene.level_factors)
+        released = Released(minimiser, minimiser, Release(modulus / self.bodies.length**2))
+        steps = single_step(released, self.motion, steps=self.scene.level_factors)
         return [Equilibrium(self, accepted) for accepted in steps]
 
 

@@ -1,0 +1,106 @@
+"""The compact solid: one body without a gap, at every order, bubbles of odd order included."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ngcell.contact.assembly import Assembly
+from ngcell.contact.tie import coincident_edges
+from ngcell.solve.minimise import Ending, Tether
+from tests.tissues import SmallTissue, dense_stiffness, small_tissue
+
+ORDERS = [1, 2, 3, 4]
+
+
+def largest_jump(tissue: SmallTissue, displacement: np.ndarray) -> float:
+    """Largest distance between coincident points of two bodies."""
+    one, two = coincident_edges(tissue.walls).T
+    nodes = tissue.walls.nodes(displacement.reshape(2, -1))
+    return float(np.abs(nodes[one] - nodes[two][:, ::-1]).max())
+
+
+def floating(tissue: SmallTissue) -> Assembly:
+    return Assembly(tissue.space, tissue.bulk, np.zeros((2, tissue.space.size), dtype=bool), tie=tissue.tie)
+
+
+@pytest.mark.parametrize("order", ORDERS)
+def test_every_facing_edge_is_tied(order):
+    tissue = small_tissue(2, 3, order=order, edges=3)
+    pairs = 2 * 2 + 1 * (2 * 3 - 1)
+    assert len(coincident_edges(tissue.walls)) == 3 * pairs
+
+
+@pytest.mark.parametrize("order", ORDERS)
+def test_tied_fields_have_no_jump_whatever_the_unknowns(order):
+    tissue = small_tissue(2, 2, order=order)
+    free = np.random.default_rng(1).standard_normal(tissue.space.unknowns)
+    assert largest_jump(tissue, free) > 0.1
+    assert largest_jump(tissue, tissue.compact.expand(free)) < 1e-12
+
+
+@pytest.mark.parametrize("order", ORDERS)
+def test_affine_fields_pass_the_tie_unchanged(order):
+    tissue = small_tissue(2, 3, order=order)
+    gradient = np.array([[0.2, -0.3], [0.5, 0.1]])
+    field = tissue.space.affine(gradient, np.array([1.0, 2.0])).ravel()
+    np.testing.assert_allclose(tissue.compact.expand(field), field, atol=1e-13)
+
+
+@pytest.mark.parametrize("order", ORDERS)
+def test_the_compact_solid_has_three_rigid_motions_and_no_other_mechanism(order):
+    tissue = small_tissue(2, 2, order=order, edges=1)
+    problem = floating(tissue)
+    state = problem.at(np.zeros(tissue.space.unknowns))
+    matrix = dense_stiffness(problem, problem.linearise(state))[np.ix_(problem.free, problem.free)]
+    values = np.linalg.eigvalsh(matrix)
+    assert np.abs(values[:3]).max() < 1e-12 * values[-1]
+    assert values[3] > 1e-7 * values[-1]
+    turned = np.concatenate([-tissue.space.rest[1], tissue.space.rest[0]])[problem.free]
+    assert np.linalg.norm(matrix @ turned) < 1e-11 * values[-1] * np.linalg.norm(turned)
+
+
+@pytest.mark.parametrize("order", ORDERS)
+def test_expanding_and_gathering_are_adjoint(order):
+    tissue = small_tissue(2, 2, order=order)
+    random = np.random.default_rng(2)
+    force, motion = random.standard_normal((2, tissue.space.unknowns))
+    problem = tissue.compact
+    assert force @ problem.expand(motion) == pytest.approx(problem.gather(force) @ motion, rel=1e-12)
+
+
+@pytest.mark.parametrize("order", [1, 3])
+def test_forces_and_tangent_of_the_compact_solid_are_derivatives_of_its_energy(order):
+    tissue = small_tissue(2, 2, order=order, edges=1)
+    problem, step = floating(tissue), 1e-5
+    at, way = tissue.smooth(0.05, 1), tissue.smooth(1.0, 2)
+    at, way = (problem.expand(field) * problem.free for field in (at, way))
+    after, before, state = (problem.at(at + size * way) for size in (step, -step, 0))
+    force = problem.gradient(state)
+    assert (after.energy - before.energy) / (2 * step) == pytest.approx(force @ way, rel=1e-6)
+    bent = dense_stiffness(problem, problem.linearise(state)) @ way
+    change = (problem.gradient(after) - problem.gradient(before)) / (2 * step)
+    np.testing.assert_allclose(change, bent, atol=1e-6 * np.abs(bent).max())
+
+
+@pytest.mark.parametrize("order", ORDERS)
+def test_the_solved_compact_solid_has_no_jump_and_hangs_in_balance_between_the_plates(order):
+    tissue = small_tissue(2, 2, order=order, edges=1, travel=(0.3, 0.0))
+    problem = tissue.compact
+    start = tissue.motion.carried(1.0)
+    minimum = tissue.minimiser(problem).minimise(start, Tether(0.0, start))
+    assert minimum.ending is Ending.CONVERGED
+    displacement = problem.expand(minimum.state.displacement)
+    assert largest_jump(tissue, displacement) < 1e-12
+    force = problem.gradient(minimum.state)
+    assert np.abs(force[problem.free]).max() < 1e-8
+    assert tissue.motion.resultant(tissue.bulk.gradient(displacement), "high")[0] > 0
+    held = problem.reactions(tissue.bulk.gradient(displacement)).reshape(2, -1)
+    np.testing.assert_allclose(held @ tissue.space.one, 0, atol=1e-9)
+
+
+def test_nothing_is_tied_in_a_single_cell_and_rounded_corners_stay_free():
+    assert small_tissue(1, 1).tie.is_trivial
+    sharp, rounded = small_tissue(1, 2, order=1), small_tissue(1, 2, order=1, radius=0.2)
+    for tissue in (sharp, rounded):
+        assert np.count_nonzero(tissue.tie.master != np.arange(tissue.space.size)) == 3

@@ -1,0 +1,62 @@
+"""The matrix with a lasting pattern, against dense linear algebra."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from ngcell.solve.linear import PatternError, SymmetricMatrix
+
+
+def random_system(size: int, seed: int) -> tuple[SymmetricMatrix, np.ndarray, np.ndarray, np.ndarray]:
+    """A sparse positive definite matrix: as `SymmetricMatrix`, its values, in full, and its free rows."""
+    random = np.random.default_rng(seed)
+    full = sparse.random(size, size, density=0.2, random_state=random).toarray()
+    full = full @ full.T + np.eye(size)
+    rows, columns = np.nonzero(np.tril(full))
+    free = random.uniform(size=size) < 0.7
+    repeated = np.concatenate([np.arange(len(rows)), random.integers(len(rows), size=size)])
+    matrix = SymmetricMatrix(size, free, rows[repeated], columns[repeated])
+    values = np.zeros(matrix.entry_count)
+    values[matrix.locate(rows, columns)] = full[rows, columns]
+    return matrix, values, full, free
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_solving_gives_the_dense_solution_in_free_rows_and_zero_elsewhere(seed):
+    matrix, values, full, free = random_system(40, seed)
+    right = np.random.default_rng(seed).standard_normal(40)
+    for factor in (1.0, 3.0):  # the second time the symbolic factor is used again
+        matrix.factorise(factor * values)
+        expected = np.zeros(40)
+        expected[free] = np.linalg.solve(factor * full[np.ix_(free, free)], right[free])
+        np.testing.assert_allclose(matrix.solve(right), expected, atol=1e-10)
+
+
+def test_multiplying_uses_the_whole_symmetric_matrix_free_or_not():
+    matrix, values, full, _ = random_system(40, 5)
+    vector = np.random.default_rng(1).standard_normal(40)
+    np.testing.assert_allclose(matrix.multiply(values, vector), full @ vector, atol=1e-11)
+
+
+def test_adding_counts_the_lower_triangle_and_repeated_entries_and_keeps_its_argument():
+    matrix = SymmetricMatrix(4, np.ones(4, bool), *np.tril_indices(4))
+    before = np.arange(10.0)
+    kept = before.copy()
+    more = sparse.coo_array(([1.0, 2.0, 4.0, 2.0], ([3, 3, 1, 1], [1, 1, 1, 3])), shape=(4, 4))
+    change = matrix.add(before, more) - before
+    np.testing.assert_array_equal(before, kept)
+    expected = np.zeros(10)
+    expected[matrix.locate(np.array([3, 1]), np.array([1, 1]))] = [3.0, 4.0]
+    np.testing.assert_array_equal(change, expected)
+
+
+@pytest.mark.parametrize(("row", "column"), [(0, 1), (2, 1), (3, 0)])
+def test_an_entry_outside_the_pattern_is_an_error(row, column):
+    matrix = SymmetricMatrix(4, np.ones(4, bool), np.array([0, 1, 2, 3]), np.array([0, 1, 2, 3]))
+    with pytest.raises(PatternError):
+        matrix.locate(np.array([row]), np.array([column]))
+    lower = ([max(row, column)], [min(row, column)])
+    with pytest.raises(PatternError):
+        matrix.add(np.zeros(4), sparse.coo_array(([1.0], lower), shape=(4, 4)))

@@ -1,0 +1,159 @@
+"""Descent on small energies whose minima are known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from ngcell.solve.minimise import Ending, Minimiser, Minimum, Tether
+
+NOWHERE = Tether(0.0, np.zeros(3))
+
+
+@dataclass(frozen=True)
+class Point:
+    displacement: np.ndarray
+    energy: float
+
+
+@dataclass(frozen=True)
+class Model:
+    gradient: np.ndarray
+    stiffness: np.ndarray
+    curvature: sparse.coo_array | None
+    gap: np.ndarray
+    jacobian: sparse.csr_array
+    spring: np.ndarray
+
+
+@dataclass
+class Landscape:
+    """A ball in a double well along x, a bowl along y, and nothing along z; no energy left of x = -3.
+
+        E = (x^2 - 1)^2 + tilt x + y^2 / 2 + spring / 2 min(0, stop - x)^2
+
+    In a `trap` the energy is 0 at first and 1 wherever one goes from there.
+    """
+
+    tilt: float = 0.0
+    stop: float = np.inf
+    spring: float = 0.0
+    trap: bool = False
+    free: np.ndarray = field(default_factory=lambda: np.ones(3, dtype=bool))
+    visited: list[np.ndarray] = field(default_factory=list)
+
+    mass = sparse.csr_array(np.eye(3))
+    pattern = (np.arange(3), np.arange(3))
+
+    def at(self, displacement: np.ndarray) -> Point:
+        x, y, _ = displacement
+        self.visited.append(displacement)
+        if self.trap:
+            return Point(displacement, float(len(self.visited) > 1))
+        overlap = min(0.0, self.stop - x)
+        energy = (x * x - 1) ** 2 + self.tilt * x + y * y / 2 + self.spring / 2 * overlap**2
+        return Point(displacement, energy if x > -3 else float("nan"))
+
+    def move(self, displacement: np.ndarray, step: np.ndarray) -> np.ndarray:
+        return displacement + step
+
+    def linearise(self, state: Point) -> Model:
+        x, y, _ = state.displacement
+        gradient = np.array([4 * x * (x * x - 1) + self.tilt, y, 0.0])
+        gap = np.array([self.stop - x] if np.isfinite(self.stop) else [])
+        jacobian = sparse.csr_array(np.array([[-1.0, 0, 0]] * len(gap)).reshape(-1, 3))
+        stiffness = np.array([12 * x * x - 4, 1.0, 0.0])
+        return Model(gradient, stiffness, None, gap, jacobian, np.full(len(gap), self.spring))
+
+    def couplings(self, state: Point, margin: float) -> tuple[np.ndarray, np.ndarray]:
+        return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
+
+
+def descend(problem: Landscape, start: tuple, tether: Tether = NOWHERE, **limits) -> Minimum:
+    minimiser = Minimiser(problem, limits.pop("longest_step", 0.5), energy_scale=1.0, **limits)
+    return minimiser.minimise(np.array(start, dtype=float), tether)
+
+
+@pytest.mark.parametrize("longest_step", [0.5, np.inf])
+@pytest.mark.parametrize("start", [-2.9, -1.1, -0.58, -0.3, -1e-3, 1e-3, 0.2, 0.57, 2.5])
+def test_a_minimum_is_found_from_slopes_and_from_beside_the_saddle(start, longest_step):
+    held = Landscape(free=np.array([True, True, False]))
+    minimum = descend(held, (start, 2.0, 0.7), longest_step=longest_step)
+    assert minimum.ending is Ending.CONVERGED
+    np.testing.assert_allclose(np.abs(minimum.state.displacement), [1, 0, 0.7], atol=1e-9)
+    assert minimum.state.energy < 1e-17
+    if abs(start) > 1:
+        assert minimum.state.displacement[0] * start > 0
+
+
+@pytest.mark.parametrize("strength", [1e-3, 1e-9])
+def test_what_floats_goes_where_the_tether_pulls_and_nothing_else_is_felt(strength):
+    anchor = np.array([0.3, 0.4, 5.0])
+    minimum = descend(Landscape(), (0.5, 1.0, -1.0), Tether(strength, anchor), longest_step=np.inf)
+    assert minimum.ending is Ending.CONVERGED
+    x, y, z = minimum.state.displacement
+    assert z == pytest.approx(5.0, abs=1e-6)
+    assert abs(x - 1) < strength and abs(y) < strength
+
+
+def test_one_sided_springs_are_found_closed_and_left_open():
+    pressed = descend(Landscape(tilt=-2.0, stop=0.5, spring=1e4), (-0.2, 0.0, 0.0), Tether(1e-9, np.zeros(3)))
+    assert pressed.ending is Ending.CONVERGED
+    x = pressed.state.displacement[0]
+    force = 4 * x * (x * x - 1) - 2.0 + 1e4 * (x - 0.5)
+    assert 0.5 < x < 0.501 and abs(force) < 1e-8
+    loose = descend(Landscape(tilt=0.1, stop=0.5, spring=1e4), (-0.2, 0.0, 0.0), Tether(1e-9, np.zeros(3)))
+    assert loose.state.displacement[0] < -1
+
+
+def test_no_step_is_longer_than_allowed():
+    problem = Landscape(free=np.array([True, True, False]))
+    descend(problem, (2.9, 30.0, 0.0), longest_step=0.25)
+    moves = np.abs(np.diff(problem.visited, axis=0)).max(1)
+    assert moves.max() <= 0.25 * (1 + 1e-12)
+
+
+def test_states_without_energy_are_never_accepted():
+    problem = Landscape(tilt=0.0, free=np.array([True, True, False]))
+    steep = descend(problem, (-0.58, 0.0, 0.0), longest_step=np.inf)  # the first Newton step would fly off
+    assert steep.ending is Ending.CONVERGED
+    assert abs(steep.state.displacement[0]) == pytest.approx(1.0)
+    assert min(place[0] for place in problem.visited) < -3
+
+
+def test_every_ending_has_its_cause():
+    held = np.array([True, True, False])
+    assert descend(Landscape(free=held), (0.9, 0.0, 0.0)).ending is Ending.CONVERGED
+    assert descend(Landscape(free=held), (-3.5, 0.0, 0.0)).ending is Ending.NO_ENERGY
+    assert descend(Landscape(free=held, trap=True), (0.9, 0.0, 0.0)).ending is Ending.NO_DESCENT
+    short = descend(Landscape(free=held), (2.5, 0.0, 0.0), most_iterations=2)
+    assert short.ending is Ending.TOO_MANY_ITERATIONS
+    assert short.state.energy < Landscape().at(np.array([2.5, 0, 0])).energy
+
+
+def test_held_unknowns_keep_their_values():
+    minimum = descend(Landscape(free=np.array([True, False, False])), (0.4, 3.0, -2.0))
+    np.testing.assert_array_equal(minimum.state.displacement[1:], [3.0, -2.0])
+
+
+def test_the_energy_falls_with_every_accepted_step():
+    energies = []
+    for iterations in range(1, 8):
+        minimum = descend(
+            Landscape(free=np.array([True, True, False])), (2.9, 3.0, 0.0), most_iterations=iterations
+        )
+        energies.append(minimum.state.energy)
+    assert (np.diff(energies) <= 0).all()
+
+
+def test_effort_is_counted():
+    minimiser = Minimiser(Landscape(free=np.array([True, True, False])), 0.5, energy_scale=1.0)
+    before = minimiser.effort.copy()
+    minimiser.minimise(np.array([1.5, 0.2, 0.0]), NOWHERE)
+    spent = minimiser.effort - before
+    assert spent.iterations <= spent.factorisations
+    assert spent.evaluations == len(minimiser.problem.visited)
+    assert before.iterations == 0

@@ -1,0 +1,129 @@
+"""The quadratic with one-sided springs, against brute force and cases worked by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy import optimize, sparse
+
+from ngcell.solve.linear import SymmetricMatrix
+from ngcell.solve.springs import SpringModel, _root_of_slope, minimum_of_springs
+
+
+def random_model(
+    seed: int, stiff: float, unknowns: int = 8, springs: int = 6
+) -> tuple[SpringModel, SymmetricMatrix]:
+    random = np.random.default_rng(seed)
+    root = random.standard_normal((unknowns, unknowns))
+    full = root @ root.T + 0.1 * np.eye(unknowns)
+    rows, columns = np.tril_indices(unknowns)
+    free = np.ones(unknowns, dtype=bool)
+    free[-1] = False
+    gradient = np.where(free, random.standard_normal(unknowns), 0.0)
+    jacobian = sparse.csr_array(random.standard_normal((springs, unknowns)))
+    gap, spring = random.uniform(-0.1, 0.3, springs), stiff * random.uniform(0.5, 2, springs)
+    model = SpringModel(gradient, full[rows, columns], gap, jacobian, spring, free)
+    return model, SymmetricMatrix(unknowns, free, rows, columns)
+
+
+def model_at(model: SpringModel, step: np.ndarray) -> float:
+    """The model's value, spelled out."""
+    size = len(step)
+    full = np.zeros((size, size))
+    full[np.tril_indices(size)] = model.stiffness
+    full += np.tril(full, -1).T
+    overlap = np.minimum(model.gap + model.jacobian @ step, 0)
+    return float(model.gradient @ step + step @ full @ step / 2 + (model.spring * overlap**2).sum() / 2)
+
+
+@pytest.mark.parametrize("stiff", [1.0, 1e3])
+@pytest.mark.parametrize("seed", range(8))
+def test_the_step_is_nearly_the_minimum_found_by_brute_force(seed, stiff):
+    model, matrix = random_model(seed, stiff)
+    step, change, rounds = minimum_of_springs(model, matrix)
+
+    def value(free: np.ndarray) -> float:
+        return model_at(model, np.append(free, 0.0))
+
+    best = min(
+        (optimize.minimize(value, step[:-1] + shift, method="BFGS", options={"gtol": 1e-9}).fun)
+        for shift in (0, 0.3, -0.3)
+    ) - value(np.zeros(7))
+    assert step[-1] == 0
+    assert change == pytest.approx(model_at(model, step) - model_at(model, np.zeros(8)), rel=1e-9)
+    assert best * (1 + 1e-6) <= change <= 0.95 * best < 0
+    assert 1 <= rounds <= 8
+
+
+def test_without_springs_the_step_is_newtons():
+    model, matrix = random_model(3, 1.0, springs=0)
+    step, change, rounds = minimum_of_springs(model, matrix)
+    np.testing.assert_allclose(matrix.multiply(model.stiffness, step)[:-1], -model.gradient[:-1], atol=1e-10)
+    assert change == pytest.approx(model.gradient @ step / 2, rel=1e-9)
+    assert rounds == 1
+
+
+def test_springs_that_the_newton_step_would_close_are_foreseen():
+    """One unknown pulled by 1 towards a stop at 0.1: Newton without the stop would go to 1."""
+    free = np.ones(1, dtype=bool)
+    matrix = SymmetricMatrix(1, free, np.array([0]), np.array([0]))
+    jacobian = sparse.csr_array(np.array([[-1.0]]))
+    model = SpringModel(np.array([-1.0]), np.ones(1), np.array([0.1]), jacobian, np.array([99.0]), free)
+    step, change, _ = minimum_of_springs(model, matrix)
+    assert step[0] == pytest.approx((1 + 9.9) / 100, rel=1e-12)
+    assert model.full_gradient()[0] == -1.0
+    assert change == pytest.approx(model_at(model, step), rel=1e-12)
+
+
+def test_the_gradient_at_rest_counts_closed_springs_only_and_no_held_unknown():
+    model, _ = random_model(4, 10.0)
+    size = 1e-6
+    ways = size * np.eye(8)
+    slope = [(model_at(model, way) - model_at(model, -way)) / (2 * size) for way in ways]
+    np.testing.assert_allclose(model.full_gradient()[:-1], slope[:-1], atol=1e-8)
+    assert model.full_gradient()[-1] == 0
+
+
+def root(constant: float, linear: float, *springs: tuple[float, float, float]) -> float:
+    spring, gap, moved = np.array(springs, dtype=float).reshape(-1, 3).T
+    return _root_of_slope(constant, linear, spring, gap, moved)
+
+
+@pytest.mark.parametrize(
+    ("case", "expected"),
+    [
+        ((-1.0, 2.0), 0.5),  # a parabola
+        ((-3.0, 2.0), 1.0),  # whose minimum lies beyond the end
+        ((-1e-12, 1.0), 1e-12),  # or hardly beyond the start
+        ((-1.0, -1.0), 1.0),  # a hill: downhill all the way
+        ((-1.0, 1.0, (99.0, 0.1, -1.0)), 10.9 / 100),  # a spring closes at 0.1
+        ((-1.0, 1.0, (99.0, 0.0, -1.0)), 0.01),  # it touches from the start
+        ((-1.0, 1.0, (99.0, 1e-14, -1.0)), 0.01),  # nearly
+        ((-1.0, 1.0, (99.0, 2.0, -1.0)), 1.0),  # it is out of reach
+        ((-1.0, 1.0, (99.0, 0.1, 1.0)), 1.0),  # it moves away
+        ((-1.0, 3.0, (4.0, -0.25, 0.5)), 1.5 / 4),  # closed, it still pushes where the slope vanishes
+        ((-1.0, 2.0, (1.0, -0.1, 1.0)), 0.5),  # it pushes until 0.1, and is loose at the root
+        ((-1.0, -1.0, (99.0, 0.1, -1.0)), 10.9 / 98),  # a hill that a spring stops
+        ((-1.0, 0.0, (10.0, 0.2, -1.0), (10.0, 0.3, -1.0)), 0.3),  # two springs, met at the second's start
+        ((-1.0, 0.0, (10.0, 0.2, -1.0), (90.0, 0.25, -1.0)), 0.255),  # both push at the root
+    ],
+)
+def test_roots_of_slopes_worked_by_hand(case, expected):
+    assert root(*case) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_root_is_the_first_minimum_along_the_way(seed):
+    random = np.random.default_rng(seed)
+    count = 5
+    spring, gap = random.uniform(0, 20, count), random.uniform(-0.3, 0.5, count)
+    moved = random.standard_normal(count)
+    linear = random.uniform(-1, 1)
+    constant = -1.0 - max(0.0, float((spring * np.minimum(gap, 0) * moved).sum()))
+    found = _root_of_slope(constant, linear, spring, gap, moved)
+    way = np.linspace(0, 1, 20001)
+    overlap = np.minimum(gap + way[:, None] * moved, 0)
+    value = constant * way + linear / 2 * way**2 + (spring * overlap**2).sum(1) / 2
+    rising = np.flatnonzero(np.diff(value) > 0)
+    expected = way[rising[0]] if len(rising) else 1.0
+    assert found == pytest.approx(expected, abs=2e-4)

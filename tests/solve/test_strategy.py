@@ -1,0 +1,223 @@
+"""Load paths: both strategies end in the same equilibrium, which does not depend on how it was reached."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from functools import cache
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from ngcell.solve.minimise import Effort, Ending, Minimum, Tether
+from ngcell.solve.outcome import Outcome
+from ngcell.solve.selection import Release
+from ngcell.solve.strategy import (
+    MOST_HALVINGS,
+    Accepted,
+    Released,
+    StepFailed,
+    compact_then_released,
+    single_step,
+)
+from tests.tissues import LAW, SmallTissue, small_tissue
+
+PATH = Release(scale=LAW.shear_modulus)
+
+
+@cache
+def sheared() -> SmallTissue:
+    return small_tissue(3, 3, order=2, edges=4, wall=0.2, travel=(0.1, 0.0))
+
+
+def released(tissue: SmallTissue, path: Release = PATH) -> Released:
+    minimiser = tissue.minimiser(tissue.released)
+    return Released((minimiser,), path)
+
+
+def by_sddp(tissue: SmallTissue, path: Release = PATH, *, steps: int = 1) -> list[Accepted]:
+    loads = [step / steps for step in range(1, steps + 1)]
+    walk = compact_then_released(
+        tissue.minimiser(tissue.compact), released(tissue, path), tissue.motion, steps=loads, levels=[1.0]
+    )
+    return list(walk)
+
+
+def by_single_step(tissue: SmallTissue, path: Release = PATH, *, steps: int = 1) -> list[Accepted]:
+    loads = [step / steps for step in range(1, steps + 1)]
+    return list(single_step(released(tissue, path), tissue.motion, steps=loads))
+
+
+@cache
+def reference() -> Accepted:
+    return by_sddp(sheared())[-1]
+
+
+def plate_force(tissue: SmallTissue, step: Accepted, plate: str = "high") -> np.ndarray:
+    return tissue.motion.resultant(tissue.released.gradient(step.minimum.state), plate)
+
+
+def assert_same(tissue: SmallTissue, one: Accepted, other: Accepted, tolerance: float = 1e-6) -> None:
+    """The same energy, plate force and place of everything, free cells included."""
+    assert one.minimum.ending is other.minimum.ending is Ending.CONVERGED
+    assert one.minimum.state.energy == pytest.approx(other.minimum.state.energy, rel=tolerance)
+    forces = plate_force(tissue, one), plate_force(tissue, other)
+    np.testing.assert_allclose(*forces, atol=tolerance * np.linalg.norm(forces[0]) * 10)
+    apart = one.minimum.state.displacement - other.minimum.state.displacement
+    assert np.abs(apart).max() < tolerance
+
+
+def test_both_strategies_end_at_the_same_equilibrium():
+    assert_same(sheared(), by_single_step(sheared())[-1], reference())
+
+
+@pytest.mark.parametrize("walk", [by_sddp, by_single_step])
+def test_the_result_does_not_depend_on_the_number_of_load_steps(walk):
+    assert_same(sheared(), walk(sheared(), steps=3)[-1], reference())
+
+
+@pytest.mark.parametrize("path", [replace(PATH, first=100.0), replace(PATH, ratio=3.0)], ids=str)
+def test_the_result_does_not_depend_on_how_finely_the_release_path_is_walked(path):
+    assert_same(sheared(), by_single_step(sheared(), path)[-1], reference())
+
+
+def test_what_the_last_tether_holds_is_little_and_shrinks_with_it():
+    tissue = sheared()
+    weaker = by_single_step(tissue, replace(PATH, last=PATH.last / 10))[-1]
+    minimiser = tissue.minimiser(tissue.released)
+    ends = [(step.minimum.state.displacement, step.tether) for step in (reference(), weaker)]
+    held = [minimiser.tether_energy(*end) for end in ends]
+    assert held[0] < 1e-3 * reference().minimum.state.energy
+    assert held[1] < held[0]
+
+
+def test_the_equilibrium_balances_and_pushes_back():
+    tissue, step = sheared(), reference()
+    state = step.minimum.state
+    force = tissue.released.gradient(state)
+    tether = step.tether.strength * (tissue.released.mass @ (state.displacement - step.tether.anchor))
+    assert np.abs((force + tether)[tissue.released.free]).max() < 1e-8
+    low, high = (plate_force(tissue, step, name) for name in ("low", "high"))
+    assert high[0] > 0
+    np.testing.assert_allclose(low, -high, atol=2e-3 * np.linalg.norm(high))
+    overlap = -state.contact.kinematics.gaps(tissue.positions(state.displacement)).min()
+    assert 0 < overlap < 0.05 * tissue.bodies.thickness
+
+
+def test_compact_states_come_first_and_store_more_energy():
+    compact, contact = by_sddp(sheared())
+    assert (compact.phase, contact.phase) == ("compact", "contact")
+    assert compact.load_factor == contact.load_factor == 1.0
+    assert compact.minimum.state.energy > 1.5 * contact.minimum.state.energy
+    assert compact.effort.iterations > 0 and contact.effort.iterations > 0
+
+
+def test_levels_are_released_and_the_steps_between_them_are_not():
+    tissue = small_tissue(1, 2, edges=1, order=1, travel=(0.02, 0.0))
+    walk = compact_then_released(
+        tissue.minimiser(tissue.compact),
+        released(tissue),
+        tissue.motion,
+        steps=[0.25, 0.5, 0.75, 1.0],
+        levels=[0.5, 1.0],
+    )
+    assert [(step.phase, step.load_factor) for step in walk] == [
+        ("compact", 0.25),
+        ("compact", 0.5),
+        ("contact", 0.5),
+        ("compact", 0.75),
+        ("compact", 1.0),
+        ("contact", 1.0),
+    ]
+
+
+@pytest.mark.parametrize("first_last_ratio", [(10.0, 1e-7, 10.0), (1.0, 1e-3, 7.0), (5.0, 5.0, 2.0)])
+def test_strengths_fall_geometrically_from_first_to_last(first_last_ratio):
+    first, last, ratio = first_last_ratio
+    strengths = np.array(list(Release(3.0, first, last, ratio).strengths()))
+    assert strengths[0] == pytest.approx(3 * first) and strengths[-1] == pytest.approx(3 * last)
+    factors = strengths[:-1] / strengths[1:]
+    np.testing.assert_allclose(factors, factors[0])
+    assert 1 <= factors[0] <= ratio * (1 + 1e-9)
+
+
+@dataclass
+class FakeMinimiser:
+    """Finds an equilibrium when the load has grown by no more than `stride` since the last one."""
+
+    stride: float
+    effort: Effort = field(default_factory=Effort)
+    reached: float = 0.0
+    asked: list[float] = field(default_factory=list)
+
+    problem = SimpleNamespace(expand=lambda displacement: displacement)
+
+    def minimise(self, start: np.ndarray, tether: Tether, tolerance: float = 0.0) -> Minimum:
+        goal = float(start[0])
+        self.asked.append(goal)
+        self.effort.iterations += 1
+        found = goal - self.reached <= self.stride + 1e-12
+        self.reached = goal if found else self.reached
+        ending = Ending.CONVERGED if found else Ending.NO_DESCENT
+        return Minimum(SimpleNamespace(displacement=start, energy=0.0), ending, 0.0)
+
+    def predict(self, displacement: np.ndarray, imposed: np.ndarray, weight: float) -> np.ndarray:
+        return imposed
+
+    def tether_energy(self, displacement: np.ndarray, tether: Tether) -> float:
+        return 0.0
+
+
+@dataclass(frozen=True)
+class FakeMotion:
+    """The displacement is the load factor."""
+
+    has_carried_field: bool = True
+
+    def imposed(self, displacement: np.ndarray, load_factor: float) -> np.ndarray:
+        return np.array([load_factor])
+
+    def carried(self, load_factor: float) -> np.ndarray:
+        return np.array([load_factor])
+
+
+def compact_walk(fake: FakeMinimiser) -> Iterator[Accepted]:
+    return compact_then_released(fake, None, FakeMotion(), steps=[0.5, 1.0], levels=[])
+
+
+def incremental_walk(fake: FakeMinimiser) -> Iterator[Accepted]:
+    path = Released((fake,), Release(1.0, first=1.0, last=1.0))
+    return single_step(path, FakeMotion(has_carried_field=False), steps=[0.5, 1.0])
+
+
+@pytest.mark.parametrize(
+    ("walk", "outcome"),
+    [(compact_walk, Outcome.COMPACT_FAILED), (incremental_walk, Outcome.RELEASE_FAILED)],
+)
+class TestHalving:
+    """Both walks meet a step that is too long in the same way."""
+
+    def test_a_step_that_fails_is_halved_until_it_succeeds(
+        self, walk: Callable[[FakeMinimiser], Iterator[Accepted]], outcome: Outcome
+    ):
+        fake = FakeMinimiser(stride=0.13)
+        steps = list(walk(fake))
+        assert [step.load_factor for step in steps] == [0.5, 1.0]
+        assert fake.asked[:3] == [0.5, 0.25, 0.125]
+        assert [step.minimum.state.displacement[0] for step in steps] == [0.5, 1.0]
+        assert sum(step.effort.iterations for step in steps) == len(fake.asked)  # failures are counted
+
+    def test_a_step_that_fails_however_short_is_given_up_by_name(
+        self, walk: Callable[[FakeMinimiser], Iterator[Accepted]], outcome: Outcome
+    ):
+        fake = FakeMinimiser(stride=0.5)
+        path = walk(fake)
+        assert next(path).load_factor == 0.5
+        fake.stride = 0.0
+        fake.asked.clear()
+        with pytest.raises(StepFailed) as failure:
+            next(path)
+        assert failure.value.outcome is outcome
+        assert fake.asked == [0.5 + 0.5 * 0.5**halving for halving in range(MOST_HALVINGS + 1)]
+        assert failure.value.load_factor == fake.asked[-1]
