@@ -1,26 +1,20 @@
-"""The normal gap and its first two derivatives: the signed distance to the outline of the other body.
+"""The normal gap and its first two derivatives, with partners held fixed.
 
 With ``a`` from the closest secondary point to the primary point, and ``t`` the deformed secondary tangent, the gap is
 
-    g = side (a_x t_y - a_y t_x) / |t|        (foot of a normal: the secondary side's deformed normal n)
-    g = sign |a|                              (joint of two edges)
+    g = side (a_x t_y - a_y t_x) / |t| - slip (a . t)^2 / 2        (foot of a normal)
+    g = sign |a|                                                   (end of an edge)
 
-and open gaps are positive. As the closest point is where the distance is stationary, the first derivatives with the partner held
-fixed are those with the partner following. The second derivatives are not: along a curved wall the foot moves, by
-
-    d xi = (t . da + g n . dt) / D,   D = |t|^2 - g n . x''        (x'' the second derivative along the wall)
-
-and differentiating ``dg = n . da`` once more gives, with p = t . da, q = n . dt and c = n . x'',
-
-    d2g = -(c p^2 / |t|^2 + 2 p q + g q^2) / D.
-
-On straight walls c = 0, and this is the second derivative with the partner fixed. Residual and tangent so belong to one
-energy, the one with partners found anew in every state, and Newton's method on it converges quadratically.
+and open gaps are positive. The first term is the distance to the tangent line; the second is what the wall curves away
+from that line when the true foot slides by ``a . t``. With the secondary curvature k (of the deformed wall, by the
+outward normal) and the gap g, both frozen where the partner was found, ``slip = k / (|t|^2 (1 - k g))``. So g and its
+first two derivatives are those of the distance to the curved wall itself: the tangent with frozen partners is the
+tangent of the energy whose partners are found anew, and Newton's method converges quadratically.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,21 +36,23 @@ class GapKinematics:
         The partners, n of them.
     dofs : array of int, shape (n, 2 (order + 1))
         Scalar unknowns of the primary and of the secondary edge.
-    offset, tangent, bend : array of float, shape (n, 2 (order + 1))
-        Factors of those unknowns in a component of ``a``, of ``t`` and of ``x''``.
+    offset, tangent : array of float, shape (n, 2 (order + 1))
+        Factors of those unknowns in a component of ``a`` and of ``t``.
     side : array of float, shape (n,)
         Side of the secondary edge.
     weight : array of float, shape (n,)
         Quadrature weight [length].
+    slip : array of float, shape (n,)
+        Factor of ``(a . t)^2 / 2`` in the gap [1 / length**3]; 0 at ends and on straight edges.
     """
 
     partners: Partners
     dofs: NDArray[np.int64]
     offset: Array
     tangent: Array
-    bend: Array
     side: Array
     weight: Array
+    slip: Array
 
     def vectors(self, positions: Array) -> tuple[Array, Array]:
         """Return ``a`` and ``t``, each (n, 2), of positions given as unknowns of shape (2, scalar unknowns)."""
@@ -68,7 +64,7 @@ class GapKinematics:
         return self._gap(*self.vectors(positions))
 
     def _gap(self, a: Array, t: Array) -> Array:
-        foot = self.side * (a[:, 0] * t[:, 1] - a[:, 1] * t[:, 0]) / np.linalg.norm(t, axis=1)
+        foot = _height(a, t, self.side) - self.slip / 2 * _along(a, t) ** 2
         return np.where(self.partners.at_end, self.partners.sign * np.linalg.norm(a, axis=1), foot)
 
     def slopes(self, positions: Array) -> tuple[Array, Array]:
@@ -76,24 +72,21 @@ class GapKinematics:
         a, t = self.vectors(positions)
         gap = self._gap(a, t)
         speed = np.linalg.norm(t, axis=1)[:, None]
-        side = self.side[:, None]
-        by_offset = side * np.column_stack([t[:, 1], -t[:, 0]]) / speed
-        by_tangent = side * np.column_stack([-a[:, 1], a[:, 0]]) / speed - gap[:, None] * t / speed**2
+        side, height = self.side[:, None], _height(a, t, self.side)[:, None]
+        slid = (self.slip * _along(a, t))[:, None]
+        by_offset = side * np.column_stack([t[:, 1], -t[:, 0]]) / speed - slid * t
+        by_tangent = side * np.column_stack([-a[:, 1], a[:, 0]]) / speed - height * t / speed**2 - slid * a
         end = self.partners.at_end
         by_offset[end] = a[end] / gap[end, None]
         by_tangent[end] = 0
         return gap, np.column_stack([by_offset, by_tangent])
 
     def curvatures(self, positions: Array, chosen: NDArray[np.int64]) -> Array:
-        """Return the second derivatives of chosen gaps by ``(a, t)``, partners following; shape (chosen, 4, 4).
-
-        They hold in the state in which the partners were found.
-        """
+        """Return the second derivatives of chosen gaps by ``(a, t)``; shape (chosen, 4, 4)."""
         a, t = (vector[chosen] for vector in self.vectors(positions))
-        bend = (positions[:, self.dofs[chosen]] * self.bend[chosen]).sum(2).T
-        gap = self._gap(*self.vectors(positions))[chosen]
-        end, sign = self.partners.at_end[chosen], self.partners.sign[chosen]
-        foot = _foot_curvature(gap, t, self.side[chosen], bend)
+        end, side = self.partners.at_end[chosen], self.side[chosen]
+        sign = self.partners.sign[chosen]
+        foot = _foot_curvature(a, t, side) - self.slip[chosen, None, None] * _slip_curvature(a, t)
         return np.where(end[:, None, None], _end_curvature(a, sign), foot)
 
     def jacobian(self, slopes: Array, columns: int) -> sparse.csr_array:
@@ -127,21 +120,50 @@ class GapKinematics:
         return sparse.coo_array((local.ravel(), (row, column)), shape=(2 * columns, 2 * columns))
 
 
-def gap_kinematics(walls: Walls, partners: Partners) -> GapKinematics:
-    """Return the kinematics of these partners."""
+def gap_kinematics(walls: Walls, partners: Partners, positions: Array) -> GapKinematics:
+    """Return the kinematics of partners that were found at `positions`, unknowns of shape (2, scalar unknowns)."""
     primary = walls.trace(partners.edge, walls.stations[partners.station])
     secondary = walls.trace(partners.other, partners.xi)
-    slope = walls.trace(partners.other, partners.xi, derivative=1)
-    bend = walls.trace(partners.other, partners.xi, derivative=2)
-    return GapKinematics(
+    slope, bend = (walls.trace(partners.other, partners.xi, derivative=degree) for degree in (1, 2))
+    kinematics = GapKinematics(
         partners=partners,
         dofs=np.concatenate([walls.dofs[partners.edge], walls.dofs[partners.other]], axis=1),
         offset=np.concatenate([primary, -secondary], axis=1),
         tangent=np.concatenate([np.zeros_like(primary), slope], axis=1),
-        bend=np.concatenate([np.zeros_like(primary), bend], axis=1),
         side=walls.side[partners.other],
         weight=walls.weights[partners.edge, partners.station],
+        slip=np.zeros(len(partners)),
     )
+    bent = np.einsum("nj,dnj->nd", bend, positions[:, walls.dofs[partners.other]])
+    return replace(kinematics, slip=_slip(kinematics, positions, bent))
+
+
+def _slip(kinematics: GapKinematics, positions: Array, bent: Array) -> Array:
+    """Return ``k / (|t|^2 (1 - k g))`` at feet, 0 at ends; `bent` is the second derivative of the secondary wall.
+
+    At a closest point ``1 - k g`` is positive; it is kept away from 0, where partners are about to jump.
+    """
+    _, t = kinematics.vectors(positions)
+    speed2 = np.einsum("nd,nd->n", t, t)
+    curvature = _height(bent, t, kinematics.side) / speed2
+    slip = curvature / speed2 / np.maximum(1 - curvature * kinematics.gaps(positions), 0.1)
+    return np.where(kinematics.partners.at_end, 0.0, slip)
+
+
+def _height(a: Array, t: Array, side: Array) -> Array:
+    """Return the component of `a` along the outward normal of `t`."""
+    return np.asarray(side * (a[:, 0] * t[:, 1] - a[:, 1] * t[:, 0]) / np.linalg.norm(t, axis=1))
+
+
+def _along(a: Array, t: Array) -> Array:
+    return np.einsum("nd,nd->n", a, t)
+
+
+def _slip_curvature(a: Array, t: Array) -> Array:
+    """Second derivative of ``(a . t)^2 / 2``."""
+    slope = np.concatenate([t, a], axis=1)
+    swap = np.kron(np.array([[0.0, 1.0], [1.0, 0.0]]), np.eye(2))
+    return np.asarray(slope[:, :, None] * slope[:, None, :] + _along(a, t)[:, None, None] * swap)
 
 
 def _end_curvature(a: Array, sign: Array) -> Array:
@@ -152,16 +174,19 @@ def _end_curvature(a: Array, sign: Array) -> Array:
     return block
 
 
-def _foot_curvature(gap: Array, t: Array, side: Array, bend: Array) -> Array:
-    speed2 = np.einsum("pd,pd->p", t, t)
-    normal = side[:, None] * np.column_stack([t[:, 1], -t[:, 0]]) / np.sqrt(speed2)[:, None]
-    bulge = np.einsum("pd,pd->p", normal, bend)
-    along = np.column_stack([t, np.zeros_like(t)])
-    across = np.column_stack([np.zeros_like(t), normal])
-    mixed = along[:, :, None] * across[:, None, :]
-    block = mixed + mixed.transpose(0, 2, 1)
-    block += (bulge / speed2)[:, None, None] * along[:, :, None] * along[:, None, :]
-    block += gap[:, None, None] * across[:, :, None] * across[:, None, :]
-    # Beyond the centre of curvature of the wall the foot is no longer the closest point.
-    stiffness = np.maximum(speed2 - gap * bulge, 0.1 * speed2)
-    return -block / stiffness[:, None, None]
+def _foot_curvature(a: Array, t: Array, side: Array) -> Array:
+    """Second derivative of ``c / s`` with ``c = a x t`` and ``s = |t|``."""
+    speed = np.linalg.norm(t, axis=1)[:, None, None]
+    cross = (a[:, 0] * t[:, 1] - a[:, 1] * t[:, 0])[:, None, None]
+    turn = np.array([[0.0, 1.0], [-1.0, 0.0]])
+    cross_slope = np.column_stack([t[:, 1], -t[:, 0], -a[:, 1], a[:, 0]])
+    direction = t / speed[:, 0]
+    speed_slope = np.column_stack([np.zeros_like(a), direction])
+    block = np.zeros((len(a), 4, 4))
+    block[:, :2, 2:] = turn / speed
+    block[:, 2:, :2] = turn.T / speed
+    mixed = cross_slope[:, :, None] * speed_slope[:, None, :]
+    block -= (mixed + mixed.transpose(0, 2, 1)) / speed**2
+    block += 2 * cross / speed**3 * speed_slope[:, :, None] * speed_slope[:, None, :]
+    block[:, 2:, 2:] -= cross / speed**3 * (np.eye(2) - direction[:, :, None] * direction[:, None, :])
+    return side[:, None, None] * block

@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 #: Stiffness of the contact that is meant, and of the one with which release paths are walked, in layers of elements: the
 #: softer one is as stiff as the layer behind the wall, and costs a third of the iterations. In between it rises by
 #: steps of `LADDER`.
-DEFAULT_MULTIPLE, PATH_MULTIPLE, LADDER = 10.0, 1.0, 10.0
+DEFAULT_MULTIPLE, PATH_MULTIPLE, LADDER = 3.0, 1.0, 10.0
 
 
 def softer_multiples(meant: float) -> list[float]:
@@ -97,7 +97,7 @@ class PenaltyContact:
     def pair(self, positions: Array) -> ContactSet:
         """Find all partners at `positions`, unknowns of shape (2, scalar unknowns)."""
         partners = self._search.partners(self.walls.nodes(positions))
-        kinematics = gap_kinematics(self.walls, partners)
+        kinematics = gap_kinematics(self.walls, partners, positions)
         pairwise = np.minimum(self.stiffness[partners.edge], self.stiffness[partners.other])
         return ContactSet(kinematics, 0.5 * pairwise * kinematics.weight)
 

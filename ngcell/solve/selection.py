@@ -30,9 +30,9 @@ Array = NDArray[np.float64]
 
 _log = logging.getLogger(__name__)
 
-FIRST, LAST, RATIO = 10.0, 1e-7, 10.0
+FIRST, LAST, RATIO = 1e3, 1e-7, 10.0
 #: Decrement at which a minimisation along the path, and the last one, ends: shares of the tether's energy.
-ON_THE_WAY, AT_THE_END = 1e-4, 1e-8
+ON_THE_WAY, AT_THE_END = 1e-2, 1e-8
 
 
 @dataclass(frozen=True)

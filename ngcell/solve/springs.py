@@ -54,9 +54,14 @@ class SpringModel:
 
     def change(self, matrix: SymmetricMatrix, step: Array) -> float:
         """Return ``m(step) - m(0)``."""
-        opened = np.minimum(self.gap + self.jacobian @ step, 0)
-        springs = 0.5 * (self.spring * (opened**2 - np.minimum(self.gap, 0) ** 2)).sum()
-        return float(self.gradient @ step + 0.5 * step @ matrix.multiply(self.stiffness, step) + springs)
+        moved = self.jacobian @ step
+        before, after = np.minimum(self.gap, 0), np.minimum(self.gap + moved, 0)
+        # What springs add to their first-order part, without differences of squares: those drown small steps.
+        flipped = (after - before) * (after + before) - 2 * before * moved
+        bent = np.where((before < 0) & (after < 0), moved**2, flipped)
+        springs = 0.5 * (self.spring * bent).sum()
+        curved = 0.5 * step @ matrix.multiply(self.stiffness, step)
+        return float(self.full_gradient() @ step + curved + springs)
 
 
 def minimum_of_springs(model: SpringModel, matrix: SymmetricMatrix) -> tuple[Array, float, int]:

@@ -127,3 +127,21 @@ def test_the_root_is_the_first_minimum_along_the_way(seed):
     rising = np.flatnonzero(np.diff(value) > 0)
     expected = way[rising[0]] if len(rising) else 1.0
     assert found == pytest.approx(expected, abs=2e-4)
+
+
+def test_the_change_of_a_tiny_step_is_not_drowned_by_the_overlap():
+    """Near the minimum the sign of the change decides whether a step is taken."""
+    free, rest = np.ones(1, dtype=bool), 2.0**-30
+    matrix = SymmetricMatrix(1, free, np.array([0]), np.array([0]))
+    # A spring of 1000, closed by 1, in balance with a load of 1000 but for `rest`.
+    model = SpringModel(
+        np.array([1000 - rest]),
+        np.ones(1),
+        np.array([-1.0]),
+        sparse.csr_array(np.array([[1.0]])),
+        np.array([1000.0]),
+        free,
+    )
+    step, change, _ = minimum_of_springs(model, matrix)
+    assert step[0] == pytest.approx(rest / 1001, rel=1e-3, abs=0)
+    assert change == pytest.approx(-(rest**2) / 2002, rel=1e-3, abs=0)
