@@ -149,7 +149,9 @@ class Simulation:
             self._minimiser(assembly, self.longest_step) for assembly in (*ladder, self.released)
         ]
         shear_modulus = max(law.shear_modulus for law in self.bulk.laws)
-        return Released(tuple(minimisers), Release(scale=shear_modulus / self.bodies.length**2))
+        apart = self._minimiser(Assembly(self.space, self.bulk, self.motion.fixed), self.longest_step)
+        path = Release(scale=shear_modulus / self.bodies.length**2)
+        return Released(apart, tuple(minimisers), path)
 
     def _minimiser(self, assembly: Assembly, longest_step: float) -> Minimiser:
         modulus = max(law.shear_modulus for law in self.bulk.laws)

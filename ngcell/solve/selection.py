@@ -1,18 +1,20 @@
 """Which equilibrium is meant: the release path.
 
-Released cells may float: of all equilibria of the energy E, whole families cost the same. The one that is meant
-is the end of the path of minima of
+Released cells may float, and their corners may pass each other on either side: equilibria of the energy E are not
+unique, not even in energy. The one that is meant is the end of the path of minima of
 
     E(u) + strength/2 |u - anchor|^2        (mass norm)
 
-from strength = infinity, where u is the anchor, to strength = 0. It follows from anchor and energy alone, not from load steps
-or from the order in which walls opened, and it is a release by a ramp: the tether gives the walls free little by little.
-In the limit, floating cells sit as near to the anchor as contact allows. The path is walked in geometric steps
-from ``FIRST`` to ``LAST`` times the stiffness scale; what the last tether still holds is measured and reported.
+from a strong tether to a vanishing one. It is a release by a ramp: the tether gives the walls free little by little. The
+path starts at the minimum without contact, which is unique under a strong tether: at the anchor walls touch and corners
+meet corners, and it is the forces in the walls, not the round-off of a start, that decide which way they part. So the
+equilibrium follows from anchor and energy alone, not from load steps or from where the walk came from. In the
+limit, floating cells sit as near to the anchor as contact allows. What the last tether still holds is measured and
+reported.
 
 Numbers: the scale of the strength is shear modulus over cell size squared, which makes the walk independent of units. At
-``FIRST`` the tether outweighs the bending of walls (whose stiffness is lower by (wall / side)^3), at
-``LAST`` it is below every stiffness but that of floating cells.
+``FIRST`` the tether outweighs everything but the wall's own stiffness, at ``LAST`` it is below every stiffness but that
+of floating cells; in between it falls by `RATIO` from step to step.
 """
 
 from __future__ import annotations
@@ -32,7 +34,7 @@ _log = logging.getLogger(__name__)
 
 FIRST, LAST, RATIO = 1e3, 1e-7, 10.0
 #: Decrement at which a minimisation along the path, and the last one, ends: shares of the tether's energy.
-ON_THE_WAY, AT_THE_END = 1e-2, 1e-8
+ON_THE_WAY, AT_THE_END = 1e-2, 1e-10
 
 
 @dataclass(frozen=True)
@@ -58,11 +60,15 @@ class Release:
         for step in range(steps + 1):
             yield self.scale * self.first * (self.last / self.first) ** (step / steps)
 
-    def select(self, minimisers: Sequence[Minimiser], start: Array, anchor: Array) -> Minimum:
+    def select(
+        self, apart: Minimiser, minimisers: Sequence[Minimiser], start: Array, anchor: Array
+    ) -> Minimum:
         """Walk the path and return its end; a minimisation that fails ends the walk.
 
         Parameters
         ----------
+        apart : Minimiser
+            Of the problem without contact.
         minimisers : sequence of Minimiser
             Of the released problem, with contact from soft to stiff: the path is walked with the first, and at its end the
             others take over one after the other.
@@ -70,7 +76,8 @@ class Release:
             Where the walk starts and where the tether pulls to [length].
         """
         *strengths, last = self.strengths()
-        walk = [(minimisers[0], strength, ON_THE_WAY) for strength in strengths]
+        walk = [(apart, strengths[0], ON_THE_WAY)]
+        walk += [(minimisers[0], strength, ON_THE_WAY) for strength in strengths]
         walk += [(minimiser, last, ON_THE_WAY) for minimiser in minimisers[1:-1]]
         walk += [(minimisers[-1], last, AT_THE_END)]
         place = start

@@ -83,19 +83,22 @@ class Released:
 
     Attributes
     ----------
+    apart : Minimiser
+        Without contact.
     minimisers : tuple of Minimiser
         With contact from the softest, which the path is walked with, to the one that is meant.
     path : Release
         The path.
     """
 
+    apart: Minimiser
     minimisers: tuple[Minimiser, ...]
     path: Release
 
     @property
     def effort(self) -> Effort:
         """What was spent so far."""
-        return sum((minimiser.effort for minimiser in self.minimisers), Effort())
+        return sum((minimiser.effort for minimiser in self.minimisers), self.apart.effort.copy())
 
     def predict(self, displacement: Array, imposed: Array) -> Array:
         """Return the displacement that follows, to first order, when prescribed values jump."""
@@ -110,7 +113,7 @@ class Released:
             If a minimisation on the path fails.
         """
         before = self.effort
-        minimum = self.path.select(self.minimisers, start, anchor)
+        minimum = self.path.select(self.apart, self.minimisers, start, anchor)
         if minimum.ending is not Ending.CONVERGED:
             raise StepFailed(Outcome.RELEASE_FAILED, load)
         tether = Tether(list(self.path.strengths())[-1], anchor)
