@@ -282,7 +282,7 @@ class Recording:
                     message = f"at load factor {failure.load_factor:.6g}: {outcome.value}"
             self._judge(steps, outcome)
             with clock.phase("pictures"):
-                folder.draw(title=self._case.title, certified=self.certified, onset=_onset(steps))
+                folder.draw(title=self._case.title, certified=self.certified, onset=_onset(simulation, steps))
             self.summary = _summary(simulation, steps, self.outcome, self.certified)
             self.summary["seconds"] = _seconds(clock, perf_counter() - started)
             folder.finish(self.summary)
@@ -370,16 +370,17 @@ def _summary(simulation: Simulation, steps: list[Step], outcome: str, certified:
             for step in steps
             if step.measurement.released_energy > 0
         },
-        "onset_of_fast_growth": _onset(steps),
+        "onset_of_growth": _onset(simulation, steps),
         "iterations": sum(step.record.iterations for step in steps),
         "factorisations": sum(step.record.factorisations for step in steps),
         "last_step": asdict(last.record) if last else None,
     }
 
 
-def _onset(steps: list[Step]) -> float | None:
+def _onset(simulation: Simulation, steps: list[Step]) -> float | None:
     contact = [step.record for step in steps if step.record.phase == "contact"]
-    return growth_onset([row.plate_displacement for row in contact], [row.mean_gap for row in contact])
+    displacement, mean = [row.plate_displacement for row in contact], [row.mean_gap for row in contact]
+    return growth_onset(displacement, mean, simulation.bodies.thickness)
 
 
 def _seconds(clock: Clock, wall: float) -> dict[str, Any]:

@@ -112,7 +112,7 @@ def _scale(gaps: Axes, parted: Axes, load: NDArray[Any]) -> None:
     for axes in (gaps, parted):
         axes.margins(y=0.08)
     parted.yaxis.set_major_locator(MaxNLocator(nbins=5, integer=True))
-    top = max(1.0, parted.get_ylim()[1])
+    top = max(1.0, 1.12 * max(line.get_ydata().max() for line in parted.lines))
     parted.set_ylim(-0.1 * top, top)
 
 
@@ -120,6 +120,6 @@ def _mark_onset(panels: Sequence[Axes], onset: float) -> None:
     for axes in panels:
         axes.axvline(onset, color=SOFT_INK, linewidth=1.2, linestyle=(0, (4, 3)), zorder=1)
     panels[0].annotate(
-        f"fast growth from {onset:.3g}", (onset, 0.97), (6, 0), xycoords=("data", "axes fraction"),
+        f"gaps grow from {onset:.3g}", (onset, 0.97), (6, 0), xycoords=("data", "axes fraction"),
         textcoords="offset points", fontsize=10, color=NOTE_INK, va="top", rotation=90,
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Where the gap starts to grow fast."""
+"""Where the gap starts to grow: one definition for all curves."""
 
 from __future__ import annotations
 
@@ -6,12 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+#: Mean gap, as a share of the wall's thickness, at which gaps count as growing.
+ONSET = 0.05
 
-def growth_onset(displacement: Sequence[float], mean_gap: Sequence[float]) -> float | None:
-    """Return the displacement at which the mean gap starts to grow fast, or None if it cannot be told.
 
-    The curve, from the origin on, is fitted by two straight lines that meet; the onset is where they meet. There is none
-    if fewer than four points are given or if the second line is no steeper than twice the first.
+def growth_onset(displacement: Sequence[float], mean_gap: Sequence[float], thickness: float) -> float | None:
+    """Return the plate displacement at which the mean gap reaches `ONSET` wall thicknesses, or None.
+
+    The curve is taken as straight between the given points and the origin. It is None if the gap stays below.
 
     Parameters
     ----------
@@ -19,18 +21,13 @@ def growth_onset(displacement: Sequence[float], mean_gap: Sequence[float]) -> fl
         Plate displacements, increasing [length].
     mean_gap : sequence of float
         Mean gaps at these [length].
+    thickness : float
+        Wall thickness [length].
     """
-    x = np.concatenate([[0.0], displacement])
-    y = np.concatenate([[0.0], mean_gap])
-    if len(x) < 5:
+    x, y = np.concatenate([[0.0], displacement]), np.concatenate([[0.0], mean_gap])
+    above = np.flatnonzero(y >= ONSET * thickness)
+    if not len(above):
         return None
-    fits = [_hinge(x, y, at) for at in np.linspace(x[1], x[-2], 101)]
-    error, at, slope, change = min(fits)
-    del error
-    return float(at) if change > max(slope, 0) else None
-
-
-def _hinge(x: np.ndarray, y: np.ndarray, at: float) -> tuple[float, float, float, float]:
-    columns = np.column_stack([x, np.maximum(x - at, 0)])
-    (slope, change), *_ = np.linalg.lstsq(columns, y, rcond=None)
-    return float(((columns @ [slope, change] - y) ** 2).sum()), at, float(slope), float(change)
+    end = above[0]
+    share = (ONSET * thickness - y[end - 1]) / (y[end] - y[end - 1])
+    return float(x[end - 1] + share * (x[end] - x[end - 1]))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -10,7 +11,7 @@ import numpy as np
 from netgen import occ
 
 from ngcell.contact.assembly import Assembly
-from ngcell.contact.penalty import PenaltyContact, penalty_stiffness
+from ngcell.contact.penalty import DEFAULT_MULTIPLE, PenaltyContact, penalty_stiffness, softer_multiples
 from ngcell.contact.walls import find_walls
 from ngcell.geometry.shapes import mesh_shapes
 from ngcell.mechanics.bulk import BulkEnergy
@@ -107,11 +108,9 @@ class Rig:
     ----------
     scene : BodyScene
         The bodies.
-    stiffness : float, optional
-        One penalty stiffness for all walls; by default derived from material and mesh.
     """
 
-    def __init__(self, scene: BodyScene, stiffness: float | None = None) -> None:
+    def __init__(self, scene: BodyScene) -> None:
         names = [body.name for body in scene.bodies]
         self.scene = scene
         self.bodies = mesh_shapes(
@@ -129,27 +128,32 @@ class Rig:
                 for support in scene.supports
             ],
         )
-        self.assembly = Assembly(
-            self.space, BulkEnergy(self.space, self.laws), self.motion.fixed, contact=self._contact(stiffness)
-        )
+        self.bulk = BulkEnergy(self.space, self.laws)
+        self.multiple = DEFAULT_MULTIPLE * scene.contact.stiffness
+        self.assembly = self._in_contact(self.multiple)
 
-    def _contact(self, stiffness: float | None) -> PenaltyContact | None:
+    def _in_contact(self, multiple: float) -> Assembly:
         if not self.bodies.wall_names:
-            return None
+            return Assembly(self.space, self.bulk, self.motion.fixed)
         walls = find_walls(self.bodies, self.space.scalar, self.space.rest)
         moduli = np.array([law.plane_strain_modulus for law in self.laws])
-        derived = penalty_stiffness(walls, moduli, self.scene.contact.stiffness)
-        chosen = derived if stiffness is None else np.full(walls.edge_count, stiffness)
-        return PenaltyContact(walls, chosen, reach=self.bodies.thickness)
+        stiffness = penalty_stiffness(walls, moduli, multiple)
+        contact = PenaltyContact(walls, stiffness, reach=self.bodies.thickness)
+        return Assembly(self.space, self.bulk, self.motion.fixed, contact=contact)
 
-    def walk(self) -> list[Equilibrium]:
-        """Equilibria at the levels."""
+    def _minimiser(self, assembly: Assembly) -> Minimiser:
         modulus = max(law.shear_modulus for law in self.laws)
         volume = float(self.space.one @ self.space.scalar_mass @ self.space.one)
-        minimiser = Minimiser(self.assembly, self.bodies.thickness / 2, energy_scale=modulus * volume)
-        released = Released(minimiser, minimiser, Release(modulus / self.bodies.length**2))
-        steps = single_step(released, self.motion, steps=self.scene.level_factors)
-        return [Equilibrium(self, accepted) for accepted in steps]
+        return Minimiser(assembly, self.bodies.thickness / 2, energy_scale=modulus * volume)
+
+    def walk(self) -> Iterator[Equilibrium]:
+        """Equilibria at the levels."""
+        ladder = [*map(self._in_contact, softer_multiples(self.multiple)), self.assembly]
+        apart = self._minimiser(Assembly(self.space, self.bulk, self.motion.fixed))
+        scale = max(law.shear_modulus for law in self.laws) / self.bodies.length**2
+        released = Released(apart, tuple(map(self._minimiser, ladder)), Release(scale))
+        for accepted in single_step(released, self.motion, steps=self.scene.level_factors):
+            yield Equilibrium(self, accepted)
 
 
 def work_is_change_of_energy(path: list[Equilibrium]) -> bool:
