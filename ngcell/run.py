@@ -171,15 +171,13 @@ class Simulation:
     def _measure(self, accepted: Accepted, before: Measurement | None) -> Measurement:
         assembly = self.compact if accepted.phase == "compact" else self.released
         state, tether = accepted.minimum.state, accepted.tether
-        away = tether.anchor - state.displacement
-        force = tether.strength * (assembly.mass @ away)
+        force = tether.strength * (assembly.mass @ (tether.anchor - state.displacement))
         return measure(
             self.scene,
             assembly,
             state,
             load_factor=accepted.load_factor,
             tether_force=force,
-            tether_energy=0.5 * float(away @ force),
             before=before,
         )
 

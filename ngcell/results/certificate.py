@@ -18,7 +18,7 @@ LIMITS = {
     "body_balance": 1e-3,
     "plate_balance": 1e-3,
     "smallest_jacobian": 0.0,
-    "stabilisation_energy": 1e-3,
+    "stabilisation": 1e-3,
     "energy_from_nowhere": 1e-3,
 }
 MEANING = {
@@ -29,7 +29,7 @@ MEANING = {
     "body_balance": "largest force out of balance on a body over the largest force in play",
     "plate_balance": "sum of all support forces over the largest force in play",
     "smallest_jacobian": "smallest ratio of deformed to reference volume; must exceed the limit",
-    "stabilisation_energy": "energy of what is left of the tether over the stored energy",
+    "stabilisation": "norm of the nodal forces of what is left of the tether over that of the internal forces",
     "energy_from_nowhere": "rise of energy beyond the work of the supports and its quadrature error, over the energy",
 }
 

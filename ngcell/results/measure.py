@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 OPEN = 1e-2
 #: A body is held by nothing if the contacts press it no more than this multiple of what the tether pulls.
 HELD = 10.0
+#: Forces and energies of walls strained by less than this count as nothing when shares are taken.
+_SMALL_STRAIN = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +100,6 @@ def measure(
     *,
     load_factor: float,
     tether_force: Array,
-    tether_energy: float,
     before: Measurement | None,
 ) -> Measurement:
     """Measure an accepted step.
@@ -115,8 +116,6 @@ def measure(
         In [0, 1].
     tether_force : array of float, shape (unknowns,)
         Nodal forces that the tether exerts on the bodies [stress * length].
-    tether_energy : float
-        Energy of the tether [stress * length**2].
     before : Measurement, optional
         The accepted step before, of the same phase.
     """
@@ -132,18 +131,19 @@ def measure(
     forces = contact_forces(assembly, state)
     plate_force = scene.motion.resultant(reaction, scene.moved)
     free = _held_by_nothing(assembly, scene, forces, tether_force) if assembly.contact is not None else ()
+    scale = _scales(assembly)
     surplus = _surplus_of_work(before, load_factor, state.energy, work_rate)
     certificate = Certificate(
         (
-            Check("residual", _residual(assembly, state, tether_force, internal)),
+            Check("residual", _residual(assembly, state, tether_force, internal, scale)),
             Check("penetration_over_wall", _penetration(scene, assembly, state, nodes)),
             Check("tension", _tension(assembly, state)),
-            Check("complementarity", _complementarity(assembly, state)),
-            Check("body_balance", _body_balance(assembly, forces, reaction)),
-            Check("plate_balance", _plate_balance(scene, assembly, forces, reaction)),
+            Check("complementarity", _complementarity(assembly, state, scale)),
+            Check("body_balance", _body_balance(assembly, forces, reaction, scale)),
+            Check("plate_balance", _plate_balance(assembly, forces, reaction, scale)),
             Check("smallest_jacobian", jacobian_range(assembly, state.displacement)[0]),
-            Check("stabilisation_energy", _share(tether_energy, state.energy)),
-            Check("energy_from_nowhere", _share(max(-surplus, 0.0), state.energy)),
+            Check("stabilisation", _stabilisation(tether_force, internal, scale)),
+            Check("energy_from_nowhere", max(-surplus, 0.0) / max(state.energy, scale.energy)),
         )
     )
     return Measurement(
@@ -187,13 +187,30 @@ def parted_pairs(scene: Scene, measured: Measurement, thickness: float) -> NDArr
     return np.asarray(np.bincount(facing.pair[closed], minlength=len(facing.pairs)) == 0)
 
 
-def _share(part: float, whole: float) -> float:
-    return 0.0 if part == 0 else abs(part) / max(abs(whole), np.finfo(float).tiny)
+@dataclass(frozen=True)
+class _Scales:
+    """What counts as nothing: the force and the energy of a wall strained by `_SMALL_STRAIN`."""
+
+    force: float
+    energy: float
 
 
-def _residual(assembly: Assembly, state: State, tether_force: Array, internal: Array) -> float:
+def _scales(assembly: Assembly) -> _Scales:
+    modulus = min(law.shear_modulus for law in assembly.bulk.laws)
+    space = assembly.space
+    volume = float(space.one @ space.scalar_mass @ space.one)
+    return _Scales(_SMALL_STRAIN * modulus * space.bodies.thickness, _SMALL_STRAIN**2 * modulus * volume)
+
+
+def _residual(
+    assembly: Assembly, state: State, tether_force: Array, internal: Array, scale: _Scales
+) -> float:
     out_of_balance = (assembly.gradient(state) - assembly.gather(tether_force))[assembly.free]
-    return _share(float(np.linalg.norm(out_of_balance)), float(np.linalg.norm(internal)))
+    return float(np.linalg.norm(out_of_balance)) / max(float(np.linalg.norm(internal)), scale.force)
+
+
+def _stabilisation(tether_force: Array, internal: Array, scale: _Scales) -> float:
+    return float(np.linalg.norm(tether_force)) / max(float(np.linalg.norm(internal)), scale.force)
 
 
 def _penetration(scene: Scene, assembly: Assembly, state: State, nodes: Array) -> float:
@@ -211,11 +228,11 @@ def _tension(assembly: Assembly, state: State) -> float:
     return max(0.0, -float(pressure.min())) / min(law.shear_modulus for law in assembly.bulk.laws)
 
 
-def _complementarity(assembly: Assembly, state: State) -> float:
+def _complementarity(assembly: Assembly, state: State, scale: _Scales) -> float:
     if state.contact is None:
         return 0.0
     gaps = np.minimum(state.contact.kinematics.gaps(assembly.positions(state.displacement)), 0)
-    return _share(float((state.contact.stiffness * gaps**2).sum()), state.energy)
+    return float((state.contact.stiffness * gaps**2).sum()) / max(state.energy, scale.energy)
 
 
 def _largest_force(forces: ContactForces, reaction_of_body: Array) -> float:
@@ -224,17 +241,21 @@ def _largest_force(forces: ContactForces, reaction_of_body: Array) -> float:
     return float(max(sizes))
 
 
-def _body_balance(assembly: Assembly, forces: ContactForces, reaction: Array) -> float:
+def _body_balance(
+    assembly: Assembly, forces: ContactForces, reaction: Array, scale: _Scales
+) -> float:
     if assembly.contact is None:
         return 0.0
     held = body_resultants(assembly, reaction)
     out_of_balance = np.linalg.norm(forces.on_body + held, axis=1).max()
-    return _share(float(out_of_balance), _largest_force(forces, held))
+    return float(out_of_balance) / max(_largest_force(forces, held), scale.force)
 
 
-def _plate_balance(scene: Scene, assembly: Assembly, forces: ContactForces, reaction: Array) -> float:
+def _plate_balance(
+    assembly: Assembly, forces: ContactForces, reaction: Array, scale: _Scales
+) -> float:
     held = body_resultants(assembly, reaction)
-    return _share(float(np.linalg.norm(held.sum(0))), _largest_force(forces, held))
+    return float(np.linalg.norm(held.sum(0))) / max(_largest_force(forces, held), scale.force)
 
 
 def _surplus_of_work(before: Measurement | None, load_factor: float, energy: float, work_rate: float) -> float:

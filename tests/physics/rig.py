@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -108,14 +108,17 @@ class Rig:
     ----------
     scene : BodyScene
         The bodies.
+    walls : str, optional
+        Boundaries that may touch, a regular expression; by default those that the geometry room found.
     """
 
-    def __init__(self, scene: BodyScene) -> None:
+    def __init__(self, scene: BodyScene, walls: str | None = None) -> None:
         names = [body.name for body in scene.bodies]
         self.scene = scene
-        self.bodies = mesh_shapes(
-            [body.shape for body in scene.bodies], names, order=scene.order, size=scene.size
-        )
+        shapes = [body.shape for body in scene.bodies]
+        self.bodies = mesh_shapes(shapes, names, order=scene.order, size=scene.size)
+        if walls is not None:
+            self.bodies = replace(self.bodies, wall_names=walls)
         self.space = DisplacementSpace(self.bodies, scene.order)
         self.laws = [
             MooneyRivlinLaw(body.material.c1, body.material.c2, body.material.bulk_modulus)
