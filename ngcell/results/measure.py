@@ -143,7 +143,7 @@ def measure(
             Check("plate_balance", _plate_balance(assembly, forces, reaction, scale)),
             Check("smallest_jacobian", jacobian_range(assembly, state.displacement)[0]),
             Check("stabilisation", _stabilisation(tether_force, internal, scale)),
-            Check("energy_from_nowhere", max(-surplus, 0.0) / max(state.energy, scale.energy)),
+            Check("energy_from_nowhere", max(0.0, -surplus) / max(state.energy, scale.energy)),
         )
     )
     return Measurement(
