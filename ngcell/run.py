@@ -30,7 +30,7 @@ from ngcell.mechanics.bulk import BulkEnergy
 from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
 from ngcell.mechanics.loading import moved_region, plate_travel, prescribed_motion
 from ngcell.mechanics.space import DisplacementSpace
-from ngcell.results.certificate import Certificate, worst
+from ngcell.results.certificate import worst
 from ngcell.results.fields import take_snapshot
 from ngcell.results.growth import growth_onset
 from ngcell.results.measure import Measurement, Scene, measure, parted_pairs, wall_records

@@ -130,9 +130,9 @@ class Assembly:
     def move(self, displacement: Array, step: Array) -> Array:
         """Return the displacement after a step in which bodies that float turn instead of stretching.
 
-        Added up, a step that rotates a body also blows it up, by the square of the angle; a cell that rolls in its place
-        would pay for that with the stiffness of its walls, and only tiny steps would lower the energy. So the mean rotation of
-        each body without support is carried out as a rotation. To first order this is still the step.
+        Added up, a step that rotates a body also blows it up, by the square of the angle; a cell that rolls in its
+        place would pay for that with the stiffness of its walls, and only tiny steps would lower the energy. So the
+        mean rotation of each body without support is carried out as a rotation. To first order this is the step.
         """
         moved = displacement + step
         return moved if self._tie is not None else moved + self._roundness(displacement, step)

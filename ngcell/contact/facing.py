@@ -1,8 +1,8 @@
 """Which walls face each other at rest, and the gap between them afterwards.
 
 Facing walls are found from the reference geometry: an edge faces another body if it touches it, or nearly so, with
-opposite normals. The gap of a facing wall is measured from each of its quadrature points to the nearest point of the other
-body's walls, wherever that has slid, so a parted pair keeps a gap however far it is apart.
+opposite normals. The gap of a facing wall is measured from each of its quadrature points to the nearest point of the
+other body's walls, wherever that has slid, so a parted pair keeps a gap however far it is apart.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.search import nearest_on_body, near_edges
+from ngcell.contact.search import near_edges, nearest_on_body
 from ngcell.contact.walls import Walls
 
 Array = NDArray[np.float64]

@@ -69,8 +69,8 @@ class Measurement:
     support_work_rate : float
         Work of all supports per unit of load factor [stress * length**2].
     released_energy : float
-        Work of the supports since the step before that is not stored, beyond the quadrature error: the walls have snapped to
-        another equilibrium [stress * length**2], >= 0.
+        Work of the supports since the step before that is not stored, beyond the quadrature error: the walls have
+        snapped to another equilibrium [stress * length**2], >= 0.
     free_bodies : tuple of int
         Bodies held by nothing.
     certificate : Certificate

@@ -1,10 +1,10 @@
 """Descent to a minimum of an energy with one-sided springs: Newton's method with a proximal term.
 
-Each iteration minimises the second-order model of the energy plus ``shift/2 |d|^2`` in the mass norm. A step is taken if
-the energy falls by a fair share of what the model foresaw; if not, or if the model is not convex along it, the shift is
-raised and the model, still at hand, is minimised again. The shift falls with every good step and is
-exactly zero at the end, so it leaves no trace in the result. No component of a step is longer than `longest_step`: half of
-the distance in which contact is searched, so that no wall is passed unseen.
+Each iteration minimises the second-order model of the energy plus ``shift/2 |d|^2`` in the mass norm. A step is taken
+if the energy falls by a fair share of what the model foresaw; if not, or if the model is not convex along it, the shift
+is raised and the model, still at hand, is minimised again. The shift falls with every good step and is exactly zero at
+the end, so it leaves no trace in the result. No component of a step is longer than `longest_step`: half of the distance
+in which contact is searched, so that no wall is passed unseen.
 
 Near the minimum differences of energies drown in round-off. There the model alone is trusted.
 """
@@ -241,10 +241,13 @@ class Minimiser:
             gradient = np.where(self.problem.free, gradient, 0.0)
             return SpringModel(gradient, values, line.gap, line.jacobian, line.spring, self.problem.free)
 
+    def _has_room(self, state: State, margin: float) -> bool:
+        return not self._may_touch or float(np.abs(state.displacement - self._made_at).max()) <= margin / 2
+
     def _make_room(self, state: State) -> None:
         """Make a matrix, or a new one when walls have moved so far that others may have come into reach."""
         margin = MARGIN * self.longest_step
-        if self._matrix is not None and np.abs(state.displacement - self._made_at).max() <= margin / 2:
+        if self._matrix is not None and self._has_room(state, margin):
             return
         self.effort.patterns += 1
         self._made_at = state.displacement
@@ -252,6 +255,7 @@ class Minimiser:
         lower = mass.coords[0] >= mass.coords[1]
         mass_entries = tuple(index[lower].astype(np.int64) for index in mass.coords)
         near = self.problem.couplings(state, margin)
+        self._may_touch = bool(len(near[0]))
         rows, columns = (np.concatenate(part) for part in zip(bulk, mass_entries, near, strict=True))
         self._matrix = SymmetricMatrix(len(self.problem.free), self.problem.free, rows, columns)
         self._bulk = self._matrix.locate(*bulk)

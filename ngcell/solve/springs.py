@@ -1,7 +1,7 @@
 """The inner problem of a Newton step: a quadratic plus one-sided springs.
 
-Ordinary Newton sees only walls that overlap already; its step then drives many others into each other, and a line search
-has to stop it at the first of them. Here the quadratic model carries the linearised gap of every near wall, and
+Ordinary Newton sees only walls that overlap already; its step then drives many others into each other, and a line
+search has to stop it at the first of them. Here the quadratic model carries the linearised gap of every near wall, and
 its minimum is found by Newton on this piecewise quadratic function with exact line searches: the set of closed
 walls changes inside the model, at the price of a factorisation and without evaluating a single element.
 """
@@ -71,7 +71,8 @@ def minimum_of_springs(model: SpringModel, matrix: SymmetricMatrix) -> tuple[Arr
     """
     step = np.zeros_like(model.gradient)
     gap, change, rounds = model.gap, 0.0, 0
-    for rounds in range(1, MOST_ROUNDS + 1):
+    while rounds < MOST_ROUNDS:
+        rounds += 1
         closed = np.flatnonzero(gap < 0)
         target = _newton_target(model, matrix, closed)
         towards = target - step

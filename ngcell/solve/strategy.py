@@ -68,7 +68,7 @@ class Accepted:
     effort: Effort
 
 
-class StepFailed(Exception):
+class StepFailed(Exception):  # noqa: N818 - named as what is reported, not as a mistake
     """No equilibrium was found, even in the smallest step."""
 
     def __init__(self, outcome: Outcome, load_factor: float) -> None:

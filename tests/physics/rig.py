@@ -85,6 +85,13 @@ class Equilibrium:
         contact = self.accepted.minimum.state.contact
         return contact.kinematics.gaps(self.positions), contact.pressures(self.positions)
 
+    def is_contact_point_in(self, *, low: tuple[float, float], high: tuple[float, float]) -> np.ndarray:
+        """Which of the contact points lie in a box at rest."""
+        walls = self.rig.assembly.contact.walls
+        partners = self.accepted.minimum.state.contact.kinematics.partners
+        point = (walls.station_values @ walls.rest)[partners.edge, partners.station]
+        return ((point >= low) & (point <= high)).all(1)
+
     def vertices(self, boundary: str) -> np.ndarray:
         """Deformed vertices of a boundary, shape (n, 2)."""
         space = self.rig.space

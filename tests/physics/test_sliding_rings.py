@@ -1,0 +1,57 @@
+"""A ring is carried past another one: curved walls with meshes that do not match, pressed and sliding."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ngcell.results.overlap import deepest_overlap
+from ngcell.scene.bodies import Body, BodyScene, BodySupport
+from tests.physics.rig import Equilibrium, Rig, ring, rubber
+
+LEVELS = (0.15, 0.3, 0.5, 0.7, 0.85)
+
+
+@pytest.fixture(scope="module")
+def passage() -> list[Equilibrium]:
+    """Both bores are held; the carried ring starts beside the other, touches it, and ends on its other side."""
+    carried = ring(0.3, 0.5, (-0.43, 0.9)).faces[0]
+    carried.maxh = 0.08
+    scene = BodyScene(
+        [Body(ring(0.3, 0.5), rubber(100.0), "still"), Body(carried, rubber(100.0), "carried")],
+        [BodySupport("still_hole0"), BodySupport("carried_hole0", shift=(0.86, 0.0))],
+        size=0.1,
+        levels=LEVELS,
+    )
+    return list(Rig(scene).walk())
+
+
+def test_reactions_balance_the_contact_forces(passage):
+    assert tuple(state.load_factor for state in passage) == LEVELS
+    for state in passage:
+        on_still, on_carried = state.contact_forces.on_body
+        size = np.linalg.norm(on_still)
+        assert np.linalg.norm(on_still + on_carried) < 1e-12 * size
+        assert np.linalg.norm(state.force("still_hole0") + on_still) < 1e-6 * size
+        assert np.linalg.norm(state.force("carried_hole0") + on_carried) < 1e-6 * size
+
+
+def test_walls_overlap_by_no_more_than_the_penalty_lets_them(passage):
+    """The peak of the pressure is below twice its mean, and outlines as polygons tell the same depth."""
+    for state in passage:
+        contact, walls = state.accepted.minimum.state.contact, state.rig.assembly.contact.walls
+        gap, _ = state.contact_points()
+        closed = gap < 0
+        length = contact.kinematics.weight[closed].sum() / 2
+        stiffness = (2 * contact.stiffness / contact.kinematics.weight)[closed].min()
+        mean_pressure = np.linalg.norm(state.contact_forces.on_body[0]) / length
+        assert -gap.min() < 2 * mean_pressure / stiffness
+        assert deepest_overlap(walls, walls.nodes(state.positions)) == pytest.approx(-gap.min(), rel=0.1)
+        assert -gap.min() < 0.05 * state.rig.bodies.thickness
+
+
+def test_without_friction_the_way_out_mirrors_the_way_in(passage):
+    before, early, middle, late, after = (state.contact_forces.on_body[0] for state in passage)
+    for way_in, way_out in ((before, after), (early, late)):
+        np.testing.assert_allclose(way_out * (-1, 1), way_in, rtol=0.03)
+    assert abs(middle[0]) < 0.01 * abs(middle[1])
