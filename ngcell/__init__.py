@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from ngcell.run import inspect, record, simulate
     from ngcell.scene import (
+        Body,
+        BodyScene,
+        BodySupport,
         Case,
         Expected,
         Frame,
@@ -24,6 +27,9 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "Body",
+    "BodyScene",
+    "BodySupport",
     "Case",
     "Expected",
     "Frame",

@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 #: Stiffness of the contact that is meant, and of the one with which release paths are walked, in layers of elements:
 #: the softer one is as stiff as the layer behind the wall, and costs a third of the iterations. In between it rises by
 #: steps of `LADDER`.
-DEFAULT_MULTIPLE, PATH_MULTIPLE, LADDER = 3.0, 1.0, 10.0
+DEFAULT_MULTIPLE, PATH_MULTIPLE, LADDER = 10.0, 1.0, 10.0
 
 
 def softer_multiples(meant: float) -> list[float]:

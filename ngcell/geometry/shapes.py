@@ -1,20 +1,23 @@
 """Faces that a user drew, as one mesh of separate bodies.
 
-The faces go to Netgen side by side and are never glued: where two bodies touch, each has its own vertices. Elements are
-curved with the order of the displacement, so that a reference position is a displacement like any other.
+The faces go to Netgen side by side and are never glued: where two bodies touch, each has its own vertices.
+Elements are curved with the order of the displacement, so that a reference position is a displacement like any
+other.
 
-Which boundaries may touch another body follows from how the bodies enclose each other. The *outline* of a body is a
-wall as soon as there is a second body. A *hole* is a wall if another body lies in it; a hole that encloses no body
-is none: what is outside cannot get in. Supports do not matter: a body may be pushed against a boundary that is held.
+Which boundaries may touch another body follows from how the bodies enclose each other. The *outline* of a body is
+a wall. A *hole* is a wall if another body lies in it; a hole that encloses no body is none: what is outside cannot
+get in. Supports do not matter: a body may be pushed against a boundary that is held. Boundaries that share a name
+are walls together.
 
-Edges without a name are given one, ``<body>_outline`` or ``<body>_hole<number>``, with holes counted in the order of the
-face's edges.
+Edges without a name are given one, ``<body>_outline`` or ``<body>_hole<number>``, with holes counted in the order
+of the face's edges.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Any
 
 import netgen.meshing
@@ -32,7 +35,7 @@ from ngcell.scene.bodies import PLAIN_NAME, check_unique_names
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-#: Height above the plane z = 0, as a share of a face's size, that counts as round-off.
+#: Height above the plane z = 0, as a share of a face's perimeter, that counts as round-off.
 _FLAT = 1e-6
 #: Default size of elements as a share of the smallest thickness.
 _SIZE = 0.5
@@ -52,7 +55,7 @@ class _Loop:
         return float(np.linalg.norm(np.ptp(self.segments.reshape(-1, 2), axis=0)))
 
     def encloses(self, points: Array) -> bool:
-        """Return whether any of the points, shape (n, 2), lies inside: the ray from it to the right leaves."""
+        """Return whether any point, shape (n, 2), is inside: a ray from it crosses an odd number of segments."""
         start, end = self.segments[:, 0], self.segments[:, 1]
         x, y = points[:, :1], points[:, 1:]
         crosses = (start[:, 1] > y) != (end[:, 1] > y)
@@ -75,14 +78,14 @@ def mesh_shapes(
     order : int
         Order of the curved elements, >= 1: that of the displacement.
     size : float, optional
-        Largest length of an element's edge [length]; by default half of the smallest thickness. Where the shapes
-        carry a smaller ``maxh``, that counts.
+        Largest length of an element's edge [length]; by default half of the smallest thickness. Where the
+        shapes carry a smaller ``maxh``, that counts.
 
     Returns
     -------
     BodyMesh
-        Its `length` is half of the diagonal of the smallest body's bounding box; its `thickness` the smallest area
-        of a body over half of its perimeter, which for a ring of any shape is the thickness of its wall.
+        Its `length` is half of the diagonal of the smallest body's bounding box; its `thickness` the smallest
+        area of a body over half of its perimeter, which for a circular ring is the thickness of its wall.
 
     Raises
     ------
@@ -91,7 +94,7 @@ def mesh_shapes(
     """
     check_unique_names(names)
     faces = [_face(shape, name) for shape, name in zip(shapes, names, strict=True)]
-    thickness = min(2 * face.mass / sum(edge.mass for edge in face.edges) for face in faces)
+    thickness = min(2 * abs(face.mass) / sum(edge.mass for edge in face.edges) for face in faces)
     mesh = _netgen_mesh(faces, names, _SIZE * thickness if size is None else size)
     loops = _loops(mesh)
     walls = _name_boundaries(mesh, loops, names)
@@ -108,6 +111,22 @@ def mesh_shapes(
     )
 
 
+def check_boundaries(bodies: BodyMesh, wanted: Sequence[str]) -> None:
+    """Check that a mesh has the boundaries that supports ask for.
+
+    Raises
+    ------
+    GeometryError
+        If one of them is missing.
+    """
+    known = sorted(set(bodies.mesh.GetBoundaries()))
+    for name in wanted:
+        if name not in known:
+            near = get_close_matches(name, known, 1)
+            hint = f" (did you mean {near[0]}?)" if near else ""
+            raise GeometryError(f"support {name}: no such boundary{hint}; allowed: {', '.join(known)}")
+
+
 def _face(shape: Any, name: str) -> occ.Face:
     """Return the only face of a shape."""
     if not isinstance(shape, occ.TopoDS_Shape):
@@ -116,12 +135,15 @@ def _face(shape: Any, name: str) -> occ.Face:
         raise GeometryError(f"body {name}: its shape is a solid; allowed: planar faces only, for now")
     if len(shape.faces) != 1:
         raise GeometryError(f"body {name}: its shape has {len(shape.faces)} faces; allowed: one face a body")
-    low, high = shape.bounding_box
-    if max(abs(low[2]), abs(high[2])) > _FLAT * (high - low).Norm():
+    face = shape.faces[0]
+    # A bounding box would do, but for the fixed tolerance that it is padded with.
+    heights = [vertex.p.z for vertex in face.vertices] + [part.center.z for part in (face, *face.edges)]
+    if max(map(abs, heights)) > _FLAT * sum(edge.mass for edge in face.edges):
         raise GeometryError(
-            f"body {name}: its face reaches from z = {low[2]:g} to {high[2]:g}; allowed: the plane z = 0"
+            f"body {name}: its face reaches from z = {min(heights):g} to {max(heights):g}; "
+            "allowed: the plane z = 0"
         )
-    return shape.faces[0]
+    return face
 
 
 def _netgen_mesh(faces: Sequence[occ.Face], names: Sequence[str], size: float) -> netgen.meshing.Mesh:
@@ -129,16 +151,20 @@ def _netgen_mesh(faces: Sequence[occ.Face], names: Sequence[str], size: float) -
         mesh = occ.OCCGeometry(occ.Compound(list(faces)), dim=2).GenerateMesh(maxh=size)
     except Exception as error:  # noqa: BLE001 - Netgen raises its own and standard exceptions alike
         raise GeometryError(f"bodies {', '.join(names)}: Netgen cannot mesh them ({error})") from error
-    body = mesh.Elements2D().NumPy()["index"]
-    missing = set(range(1, len(faces) + 1)) - set(body.tolist())
-    nodes = mesh.Elements2D().NumPy()["nodes"]
-    owners = np.unique(np.column_stack([nodes[:, :3].ravel(), np.repeat(body, 3)]), axis=0)
-    if missing or len(np.unique(owners[:, 0])) < len(owners):
+    if not _are_apart(mesh, len(faces)):
         raise GeometryError(
-            "two bodies have the same face or share an edge; "
-            "allowed: shapes of their own that touch at most (do not Glue, and Move copies instead of repeating a face)"
+            f"bodies {', '.join(names)}: two of them are the same face or share an edge; allowed: shapes of "
+            "their own, which may touch (do not Glue them, and Move a copy instead of repeating a face)"
         )
     return mesh
+
+
+def _are_apart(mesh: netgen.meshing.Mesh, bodies: int) -> bool:
+    """Return whether all bodies have elements, and no point is used by two of them."""
+    triangles = mesh.Elements2D().NumPy()
+    corners = np.column_stack([triangles["nodes"][:, :3].ravel(), np.repeat(triangles["index"], 3)])
+    owners = np.unique(corners, axis=0)
+    return len(np.unique(owners[:, 0])) == len(owners) and len(np.unique(owners[:, 1])) == bodies
 
 
 def _loops(mesh: netgen.meshing.Mesh) -> list[_Loop]:
@@ -152,7 +178,8 @@ def _loops(mesh: netgen.meshing.Mesh) -> list[_Loop]:
     triangles = mesh.Elements2D().NumPy()
     body_of_point = np.zeros(len(points), dtype=np.int64)
     body_of_point[triangles["nodes"][:, :3] - 1] = triangles["index"][:, None] - 1
-    members = sorted((np.flatnonzero(loop == number) for number in np.unique(loop)), key=lambda own: edge[own].min())
+    members = [np.flatnonzero(loop == number) for number in np.unique(loop)]
+    members.sort(key=lambda own: edge[own].min())
     return [
         _Loop(int(body_of_point[ends[own[0], 0]]), frozenset(edge[own].tolist()), points[ends[own], :2])
         for own in members
@@ -174,9 +201,10 @@ def _name_boundaries(mesh: netgen.meshing.Mesh, loops: Sequence[_Loop], names: S
     centres = mesh.Coordinates()[elements["nodes"][:, :3] - 1].mean(1)[:, :2]
     outlines, holes, walls = _outlines(loops), [0] * len(names), set()
     for loop in loops:
-        kind, is_wall = "outline", len(names) > 1
+        kind, is_wall = "outline", True
         if loop is not outlines[loop.body]:
-            kind, is_wall = f"hole{holes[loop.body]}", loop.encloses(centres[elements["index"] - 1 != loop.body])
+            kind = f"hole{holes[loop.body]}"
+            is_wall = loop.encloses(centres[elements["index"] - 1 != loop.body])
             holes[loop.body] += 1
         for edge in loop.edges:
             name = _named(mesh, edge, f"{names[loop.body]}_{kind}")

@@ -16,7 +16,7 @@ from ngcell.scene import Frame, MeshChoice, Plates, Tissue
 LOWER_PLATE, UPPER_PLATE, FRAME = "lower-plate", "upper-plate", "frame"
 
 #: Default edges: at most this many wall thicknesses long, and at least this many to a side.
-_SLENDERNESS, _FEWEST_EDGES = 2.5, 4
+_SLENDERNESS, _FEWEST_EDGES = 5.0, 2
 
 
 def tissue_mesh(tissue: Tissue, load: Plates | Frame, choice: MeshChoice) -> BodyMesh:

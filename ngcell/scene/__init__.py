@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ngcell.scene.bodies import Body, BodyScene, BodySupport
 from ngcell.scene.case import Case
 from ngcell.scene.catalogue import case_name, find_case, shipped_cases
 from ngcell.scene.contact import Contact, Penalty
@@ -15,6 +16,9 @@ from ngcell.scene.tissue import Tissue
 from ngcell.scene.vocabulary import schema
 
 __all__ = [
+    "Body",
+    "BodyScene",
+    "BodySupport",
     "Case",
     "Contact",
     "Expected",

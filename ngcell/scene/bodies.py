@@ -1,4 +1,4 @@
-"""Own bodies: shapes that a user drew, each with its material, the supports that move them, and the load path."""
+"""Own bodies: shapes that a user drew, each with its material, and the supports that move them."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ class Body:
     Parameters
     ----------
     shape : object
-        A planar face of `netgen.occ` in the plane z = 0 [length]. Names that its edges carry can be supported;
-        ``maxh`` on its edges or on the face refines the mesh there.
+        A planar face of `netgen.occ` in the plane z = 0 [length]. Edges that carry a name can be supported by
+        it; ``maxh`` on its edges or on the face refines the mesh there.
     material : MooneyRivlin
         What it is made of.
     name : str
@@ -56,7 +56,7 @@ class BodySupport:
     Parameters
     ----------
     boundary : str
-        Name of an edge, or ``<body>_outline`` or ``<body>_hole0``, ``<body>_hole1``, ... for the edges without a name.
+        Name of an edge; for edges without one, ``<body>_outline`` or ``<body>_hole0``, ``<body>_hole1``, ...
     gradient : tuple of tuple of float, shape (2, 2)
         Displacement gradient at load factor 1, without unit.
     shift : tuple of float, shape (2,)
@@ -77,11 +77,10 @@ class BodySupport:
         for row in rows:
             _check_numbers(row, f"{place}: gradient", "two rows of two finite numbers")
         _check_numbers(self.shift, f"{place}: shift", "two finite numbers")
-        components = _pair(self.components, f"{place}: components", "two booleans, at least one of them True")
+        allowed = "two booleans, at least one of them True"
+        components = _pair(self.components, f"{place}: components", allowed)
         if not all(isinstance(entry, bool) for entry in components) or not any(components):
-            raise CaseError(
-                f"{place}: components is {self.components!r}; allowed: two booleans, at least one of them True"
-            )
+            raise CaseError(f"{place}: components is {self.components!r}; allowed: {allowed}")
 
     @property
     def moves(self) -> bool:

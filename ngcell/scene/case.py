@@ -59,6 +59,11 @@ class Case(BaseModel):
     expected: Annotated[tuple[Expected, ...], Strict(False)] = ()
 
     @property
+    def level_factors(self) -> tuple[float, ...]:
+        """Load factors of the levels, increasing, in (0, 1]."""
+        return self.load.level_factors
+
+    @property
     def smallest_step_count(self) -> int:
         """Smallest number of load steps: what the strategy asks for, else one for each level."""
         return self.strategy.steps or len(self.load.level_factors)

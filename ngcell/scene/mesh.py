@@ -24,6 +24,6 @@ class MeshChoice(BaseModel):
 
     model_config = SECTION
 
-    order: Annotated[int, Field(ge=1, le=4)] = 2
+    order: Annotated[int, Field(ge=1, le=4)] = 3
     size: PositiveNumber | None = None
     layers: PositiveCount | None = None

@@ -1,11 +1,11 @@
 """The thick ring in plane strain, solved a second way: one dimension, shooting, no finite elements.
 
-A point at the reference radius R moves to r(R); its stretches are r' along the radius, r/R around it and 1 across. With
-the stored energy W per reference volume, balance of forces along the radius is
+A point at the reference radius R moves to r(R); its stretches are r' along the radius, r/R around it and 1 across.
+With the stored energy W per reference volume, balance of forces along the radius is
 
     d/dR (R dW/dl_r) = dW/dl_t.
 
-Derivatives of W are taken by complex steps: exact to round-off, and nothing is shared with the code under test.
+Second derivatives of W are complex steps: exact to round-off. Nothing is shared with the code under test.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class RadialSolid:
 
 @dataclass(frozen=True)
 class RadialState:
-    """A ring in balance: reference and deformed radii, and pressures on the deformed circles (compression > 0)."""
+    """A ring in balance: deformed radii, and pressures on the deformed circles (compression > 0)."""
 
     inner: float
     outer: float
@@ -61,7 +61,7 @@ class RadialState:
     outer_pressure: float
 
 
-def _march(solid: RadialSolid, start: float, end: float, radius: float, stretch: float) -> tuple[float, float]:
+def _march(solid: RadialSolid, start: float, end: float, radius: float, stretch: float) -> list[float]:
     """r and r' at `end`, from those at `start`."""
 
     def rate(place, state):
@@ -73,7 +73,7 @@ def _march(solid: RadialSolid, start: float, end: float, radius: float, stretch:
         return [radial, -change / by_radial]
 
     path = solve_ivp(rate, (start, end), (radius, stretch), method="DOP853", rtol=1e-12, atol=1e-13)
-    return path.y[0, -1], path.y[1, -1]
+    return path.y[:, -1].tolist()
 
 
 def _pressure(solid: RadialSolid, rest: float, radius: float, stretch: float) -> float:

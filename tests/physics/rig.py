@@ -131,20 +131,16 @@ class Rig:
             MooneyRivlinLaw(body.material.c1, body.material.c2, body.material.bulk_modulus)
             for body in scene.bodies
         ]
-        self.motion = PrescribedMotion(
-            self.space,
-            [
-                Support(support.boundary, np.array(support.gradient), np.array(support.shift), support.components)
-                for support in scene.supports
-            ],
-        )
+        supports = [
+            Support(given.boundary, np.array(given.gradient), np.array(given.shift), given.components)
+            for given in scene.supports
+        ]
+        self.motion = PrescribedMotion(self.space, supports)
         self.bulk = BulkEnergy(self.space, self.laws)
         self.multiple = DEFAULT_MULTIPLE * scene.contact.stiffness
         self.assembly = self._in_contact(self.multiple)
 
     def _in_contact(self, multiple: float) -> Assembly:
-        if not self.bodies.wall_names:
-            return Assembly(self.space, self.bulk, self.motion.fixed)
         walls = find_walls(self.bodies, self.space.scalar, self.space.rest)
         moduli = np.array([law.plane_strain_modulus for law in self.laws])
         stiffness = penalty_stiffness(walls, moduli, multiple)

@@ -14,7 +14,7 @@ LEVELS = (0.15, 0.3, 0.5, 0.7, 0.85)
 
 @pytest.fixture(scope="module")
 def passage() -> list[Equilibrium]:
-    """Both bores are held; the carried ring starts beside the other, touches it, and ends on its other side."""
+    """Both bores are held; one is carried from one side of the other, along it, to its other side."""
     carried = ring(0.3, 0.5, (-0.43, 0.9)).faces[0]
     carried.maxh = 0.08
     scene = BodyScene(

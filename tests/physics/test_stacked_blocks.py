@@ -1,10 +1,10 @@
 """K1: two stacked blocks with matching meshes and free sides, compressed to a stretch.
 
-The blocks are halves: their left edges lie on the plane of symmetry. Without it the stack is in balance but not stable,
-as in life: frictionless blocks slide off each other under load.
+The blocks are halves: their left edges lie on the plane of symmetry. Without it the stack is in balance but not
+stable, as in life: frictionless blocks slide off each other under load.
 
-A block of stretch l bears the nominal pressure P(l); a penalty k lets the walls overlap by P / k, which the blocks are
-spared. All of this is solved in closed form here, so the comparison leaves only what the discrete contact adds.
+A block of stretch l bears the nominal pressure P(l); a penalty k lets the walls overlap by P / k, which the blocks
+are spared. All of this is solved in closed form here, so that only what the discrete contact adds is left.
 """
 
 from __future__ import annotations
@@ -112,7 +112,7 @@ def test_pressure_is_right_where_flush_corners_may_touch_sideways(stretch, incom
     assert -state.force("ceiling")[1] == pytest.approx(exact.nominal_pressure, rel=3e-3)
     _, pressure = state.contact_points()
     inside = state.is_contact_point_in(low=(0.25, 0.45), high=(0.75, 0.55))
-    assert np.ptp(pressure[inside]) < 0.03 * pressure[inside].mean()
-    assert pressure[inside].mean() == pytest.approx(exact.nominal_pressure, rel=1.5e-2)
+    assert np.ptp(pressure[inside]) < 0.06 * pressure[inside].mean()
+    assert pressure[inside].mean() == pytest.approx(exact.nominal_pressure, rel=2e-2)
     spared = 2 * exact.pressure / stiffness / (1 - stretch)
     assert pressure[inside].mean() / exact.lateral == pytest.approx(incompressible, rel=spared + 2 / KAPPA)

@@ -1,0 +1,305 @@
+"""A scene, built: mesh, unknowns, energies, contact, and the walk along its load path.
+
+Here the rooms are wired, and it reads like the method section of a paper. A tissue of a case and own bodies from Python
+differ in their blueprint only: the mesh, the laws, and what moves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ngcell.clock import Clock
+from ngcell.contact.assembly import Assembly
+from ngcell.contact.facing import find_facing
+from ngcell.contact.penalty import DEFAULT_MULTIPLE, PenaltyContact, penalty_stiffness, softer_multiples
+from ngcell.contact.tie import tie_walls
+from ngcell.contact.walls import find_walls
+from ngcell.geometry.bodies import BodyMesh
+from ngcell.geometry.shapes import mesh_shapes
+from ngcell.geometry.tissue import tissue_mesh
+from ngcell.mechanics.bulk import BulkEnergy
+from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.loading import moved_region, plate_travel, prescribed_motion
+from ngcell.mechanics.space import DisplacementSpace
+from ngcell.mechanics.supports import PrescribedMotion, Support
+from ngcell.results.fields import take_snapshot
+from ngcell.results.measure import Measurement, Scene, measure, parted_pairs, wall_records
+from ngcell.results.record import StepRecord, WallRecord
+from ngcell.results.snapshot import Snapshot
+from ngcell.results.surface import wall_fields
+from ngcell.scene import BodyScene, Case, MooneyRivlin, Sddp
+from ngcell.solve.minimise import Minimiser
+from ngcell.solve.selection import Release
+from ngcell.solve.strategy import Accepted, Released, compact_then_released, single_step
+
+#: Walls that face each other nearer than this share of their thickness count as touching at rest.
+_TOUCHING = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """An accepted step with everything that is reported of it.
+
+    Attributes
+    ----------
+    record : StepRecord
+        The row of the history.
+    walls : list of WallRecord
+        A row a facing pair; empty in compact steps.
+    measurement : Measurement
+        The numbers behind them.
+    displacement : array of float, shape (unknowns,)
+        The displacement [length].
+    snapshot : Snapshot or None
+        The fields, at reported levels.
+    """
+
+    record: StepRecord
+    walls: list[WallRecord]
+    measurement: Measurement
+    displacement: NDArray[np.float64]
+    snapshot: Snapshot | None
+
+
+@dataclass(frozen=True, eq=False)
+class Blueprint:
+    """What a scene asks for, after meshing.
+
+    Attributes
+    ----------
+    bodies : BodyMesh
+        The mesh.
+    space : DisplacementSpace
+        The unknowns on it.
+    laws : tuple of MooneyRivlinLaw
+        Law of each body.
+    motion : PrescribedMotion
+        The supports.
+    moved : str
+        Region whose force and displacement are reported; a regular expression.
+    travel : array of float, shape (dimension,)
+        Displacement of that region at load factor 1 [length].
+    compact_first : bool
+        Whether the bodies are loaded as one compact solid before they are released.
+    """
+
+    bodies: BodyMesh
+    space: DisplacementSpace
+    laws: tuple[MooneyRivlinLaw, ...]
+    motion: PrescribedMotion
+    moved: str
+    travel: NDArray[np.float64]
+    compact_first: bool
+
+
+def draw_up(scene: Case | BodyScene) -> Blueprint:
+    """Mesh a scene and say what moves."""
+    return _tissue_blueprint(scene) if isinstance(scene, Case) else _body_blueprint(scene)
+
+
+def _tissue_blueprint(case: Case) -> Blueprint:
+    bodies = tissue_mesh(case.tissue, case.load, case.mesh)
+    space = DisplacementSpace(bodies, case.mesh.order)
+    return Blueprint(
+        bodies=bodies,
+        space=space,
+        laws=(_law(case.material),) * bodies.body_count,
+        motion=prescribed_motion(space, case.load),
+        moved=moved_region(case.load),
+        travel=plate_travel(space, case.load),
+        compact_first=isinstance(case.strategy, Sddp),
+    )
+
+
+def _body_blueprint(scene: BodyScene) -> Blueprint:
+    bodies = mesh_shapes(
+        [body.shape for body in scene.bodies],
+        [body.name for body in scene.bodies],
+        size=scene.size,
+        order=scene.order,
+    )
+    space = DisplacementSpace(bodies, scene.order)
+    supports = [
+        Support(support.boundary, np.array(support.gradient), np.array(support.shift), support.components)
+        for support in scene.supports
+    ]
+    moving = [support for support in scene.supports if support.moves]
+    return Blueprint(
+        bodies=bodies,
+        space=space,
+        laws=tuple(_law(body.material) for body in scene.bodies),
+        motion=PrescribedMotion(space, supports),
+        moved="|".join(scene.moved_boundaries) or "none",
+        travel=np.array(moving[0].shift if moving else (0.0, 0.0)),
+        compact_first=False,
+    )
+
+
+def _law(material: MooneyRivlin) -> MooneyRivlinLaw:
+    return MooneyRivlinLaw(material.c1, material.c2, material.bulk_modulus)
+
+
+class Simulation:
+    """A scene, built, and ready to walk.
+
+    Parameters
+    ----------
+    scene : Case or BodyScene
+        What is simulated.
+    clock : Clock, optional
+        Where the seconds are added up.
+    """
+
+    def __init__(self, scene: Case | BodyScene, clock: Clock | None = None) -> None:
+        self._contact = scene.contact
+        self._step_count = scene.smallest_step_count
+        self.levels = scene.level_factors
+        self.clock = clock or Clock()
+        with self.clock.phase("meshing"):
+            self.blueprint = draw_up(scene)
+            self.bodies, self.space = self.blueprint.bodies, self.blueprint.space
+            self.walls = find_walls(self.bodies, self.space.scalar, self.space.rest)
+        self.bulk = BulkEnergy(self.space, self.blueprint.laws)
+        self.motion = self.blueprint.motion
+        self.longest_step = self.bodies.thickness / 2
+        self.scene = Scene(
+            walls=self.walls,
+            facing=find_facing(self.walls, _TOUCHING * self.bodies.thickness),
+            motion=self.motion,
+            moved=self.blueprint.moved,
+            travel=self.blueprint.travel,
+        )
+
+    @cached_property
+    def compact(self) -> Assembly:
+        """The tissue as one compact solid."""
+        return Assembly(self.space, self.bulk, self.motion.fixed, tie=tie_walls(self.walls, self.space.size))
+
+    @cached_property
+    def released(self) -> Assembly:
+        """The tissue with its walls in unilateral contact."""
+        return self._in_contact(DEFAULT_MULTIPLE * self._contact.stiffness)
+
+    def _in_contact(self, multiple: float) -> Assembly:
+        moduli = np.array([law.plane_strain_modulus for law in self.bulk.laws])
+        stiffness = penalty_stiffness(self.walls, moduli, multiple)
+        contact = PenaltyContact(self.walls, stiffness, reach=2 * self.longest_step)
+        return Assembly(self.space, self.bulk, self.motion.fixed, contact=contact)
+
+    def walk(self) -> Iterator[Step]:
+        """Yield the accepted steps.
+
+        Raises
+        ------
+        StepFailed
+            If a step finds no equilibrium.
+        """
+        latest: dict[str, Measurement] = {}
+        started = perf_counter()
+        for number, accepted in enumerate(self._accepted()):
+            with self.clock.phase("measuring"):
+                measurement = self._measure(accepted, latest.get(accepted.phase))
+                latest[accepted.phase] = measurement
+                step = self._step(number, accepted, measurement, perf_counter() - started)
+            yield step
+            started = perf_counter()
+
+    def _accepted(self) -> Iterator[Accepted]:
+        levels = self.levels
+        if self.blueprint.compact_first:
+            compact = self._minimiser(self.compact, np.inf)
+            return compact_then_released(
+                compact, self._released(), self.motion, steps=self._steps(), levels=levels
+            )
+        return single_step(self._released(), self.motion, steps=self._steps())
+
+    def _released(self) -> Released:
+        meant = DEFAULT_MULTIPLE * self._contact.stiffness
+        ladder = [self._in_contact(multiple) for multiple in softer_multiples(meant)]
+        minimisers = [
+            self._minimiser(assembly, self.longest_step) for assembly in (*ladder, self.released)
+        ]
+        shear_modulus = max(law.shear_modulus for law in self.bulk.laws)
+        apart = self._minimiser(Assembly(self.space, self.bulk, self.motion.fixed), self.longest_step)
+        path = Release(scale=shear_modulus / self.bodies.length**2)
+        return Released(apart, tuple(minimisers), path)
+
+    def _minimiser(self, assembly: Assembly, longest_step: float) -> Minimiser:
+        modulus = max(law.shear_modulus for law in self.bulk.laws)
+        volume = float(self.space.one @ self.space.scalar_mass @ self.space.one)
+        return Minimiser(assembly, longest_step, energy_scale=modulus * volume, clock=self.clock)
+
+    def _steps(self) -> list[float]:
+        """Return the load factors of all steps: the levels, with equal steps between them where more are asked for."""
+        levels, count = self.levels, self._step_count
+        steps, before = [], 0.0
+        for level in levels:
+            pieces = max(1, round(count * (level - before) / levels[-1]))
+            steps += list(np.linspace(before, level, pieces + 1)[1:])
+            before = level
+        return [float(step) for step in steps]
+
+    def _measure(self, accepted: Accepted, before: Measurement | None) -> Measurement:
+        assembly = self.compact if accepted.phase == "compact" else self.released
+        state, tether = accepted.minimum.state, accepted.tether
+        force = tether.strength * (assembly.mass @ (tether.anchor - state.displacement))
+        return measure(
+            self.scene,
+            assembly,
+            state,
+            load_factor=accepted.load_factor,
+            tether_force=force,
+            before=before,
+        )
+
+    def _step(self, number: int, accepted: Accepted, measured: Measurement, seconds: float) -> Step:
+        assembly = self.compact if accepted.phase == "compact" else self.released
+        thickness, facing = self.bodies.thickness, self.scene.facing
+        is_contact = accepted.phase == "contact"
+        is_level = any(np.isclose(accepted.load_factor, level) for level in self.levels)
+        travelled = accepted.load_factor * float(np.linalg.norm(self.scene.travel))
+        rows = wall_records(self.scene, measured, number, thickness) if is_contact and is_level else []
+        displacement = assembly.expand(accepted.minimum.state.displacement)
+        total = facing.weight.sum()
+        record = StepRecord(
+            step=number,
+            phase=accepted.phase,
+            load_factor=accepted.load_factor,
+            plate_displacement=travelled,
+            largest_gap=float(measured.gap.max(initial=0.0)),
+            mean_gap=float(facing.weight @ measured.gap / total) if total else 0.0,
+            smallest_gap=float(measured.gap.min(initial=0.0)),
+            parted_pairs=int(parted_pairs(self.scene, measured, thickness).sum()),
+            opened_share=measured.opened_share(facing, thickness),
+            plate_force_x=float(measured.plate_force[0]),
+            plate_force_y=float(measured.plate_force[1]),
+            contact_force=measured.forces.total,
+            energy=measured.energy,
+            iterations=accepted.effort.iterations,
+            factorisations=accepted.effort.factorisations,
+            seconds=seconds,
+            certified=measured.certificate.passed,
+        )
+        snapshot = None
+        if is_level and is_contact:
+            gap, pressure = wall_fields(self.walls, facing, assembly, accepted.minimum.state)
+            snapshot = take_snapshot(
+                assembly,
+                displacement,
+                walls=self.walls,
+                step=number,
+                load_factor=accepted.load_factor,
+                plate_displacement=travelled,
+                gap=gap,
+                contact_pressure=pressure,
+                free_bodies=frozenset(measured.free_bodies),
+            )
+        return Step(record, rows, measured, displacement, snapshot)
+
+
