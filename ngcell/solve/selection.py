@@ -7,8 +7,8 @@ unique, not even in energy. The one that is meant is the end of the path of mini
 
 from a strong tether to a vanishing one. It is a release by a ramp: the tether gives the walls free little by little.
 The path starts at the minimum without contact, which is unique under a strong tether: at the anchor walls touch and
-corners meet corners, and it is the forces in the walls, not the round-off of a start, that decide which way they part. So the
-equilibrium follows from anchor and energy alone, not from load steps or from where the walk came from. In the
+corners meet corners, and it is the forces in the walls, not the round-off of a start, that decide which way they part.
+So the equilibrium follows from anchor and energy alone, not from load steps or from where the walk came from. In the
 limit, floating cells sit as near to the anchor as contact allows. What the last tether still holds is measured and
 reported.
 
