@@ -169,10 +169,10 @@ def _summary(
         "unknowns": simulation.space.unknowns,
         "facing_pairs": len(simulation.scene.facing.pairs),
         "held_by_nothing": last.measurement.free_bodies if last else (),
-        "released_energy": {
-            step.record.step: step.measurement.released_energy
+        "changes_of_branch": {
+            step.record.step: {"unstored_work": step.measurement.unstored_work}
             for step in steps
-            if step.measurement.released_energy > 0
+            if step.record.phase == "contact" and step.measurement.unstored_work != 0
         },
         "onset_of_growth": _onset(simulation, steps),
         "iterations": sum(step.record.iterations for step in steps),

@@ -21,7 +21,7 @@ from ngcell.contact.penalty import DEFAULT_MULTIPLE, PenaltyContact, penalty_sti
 from ngcell.contact.tie import tie_walls
 from ngcell.contact.walls import find_walls
 from ngcell.geometry.bodies import BodyMesh
-from ngcell.geometry.shapes import mesh_shapes
+from ngcell.geometry.shapes import check_boundaries, mesh_shapes
 from ngcell.geometry.tissue import tissue_mesh
 from ngcell.mechanics.bulk import BulkEnergy
 from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
@@ -124,6 +124,7 @@ def _body_blueprint(scene: BodyScene) -> Blueprint:
         size=scene.size,
         order=scene.order,
     )
+    check_boundaries(bodies, [support.boundary for support in scene.supports])
     space = DisplacementSpace(bodies, scene.order)
     supports = [
         Support(support.boundary, np.array(support.gradient), np.array(support.shift), support.components)

@@ -4,8 +4,10 @@
 
 Each run is a process of its own, one after the other, `python -m ngcell solve CASE --set ... --out FOLDER`; a row
 is read from the files that it leaves. Rows are appended to `tools/results/GRID.csv` as they come, and a run that
-has its row there is not repeated: delete a row, or the file, to have it again. At the end the rows are written as a
-Markdown table to `tools/results/GRID.md`. Result folders and logs stay under `out/settings/`.
+has its row there is not repeated: delete a row, or the file, to have it again. The last column tells which sources
+made a row, so that a table of several is seen to be one. At the end the rows are written as a
+Markdown table to `tools/results/GRID.md`. Result folders and logs stay in
+`ngcell-settings` in the folder for temporary files, where the second tables find them.
 
 Grids:
 
@@ -29,10 +31,13 @@ import json
 import os
 import subprocess
 import sys
+import tempfile
 import threading
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
+from hashlib import sha256
+from importlib.util import find_spec
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -40,7 +45,7 @@ from typing import Any
 import click
 
 ROOT = Path(__file__).resolve().parent.parent
-RESULTS, RUNS = ROOT / "tools" / "results", ROOT / "out" / "settings"
+RESULTS, RUNS = ROOT / "tools" / "results", Path(tempfile.gettempdir()) / "ngcell-settings"
 
 COLUMNS = {
     "settings": "case and overrides; the key of the row",
@@ -67,6 +72,7 @@ COLUMNS = {
     "cpu_aside": "of these, imports and pictures",
     "peak_mb": "largest resident memory [MB]",
     "why": "failed checks, or where the run stopped",
+    "code": "digest of the sources of the package that ran",
 }
 #: Columns that a Markdown table leaves out, for width.
 _CSV_ONLY = {"settings", "certified"}
@@ -146,7 +152,11 @@ def scenes_5x7(quick: bool) -> Iterator[Setting]:
 
 def steps(quick: bool) -> Iterator[Setting]:
     """Both strategies with more and more levels."""
-    cases = {"shear-empty-3x3": (5, 10, 20)} if quick else {"shear-empty-3x3": (5, 10, 20), "shear-empty": (5, 10)}
+    cases = (
+        {"shear-empty-3x3": (5, 10, 20)}
+        if quick
+        else {"shear-empty-3x3": (5, 10, 20), "shear-empty": (5, 10)}
+    )
     for case, counts in cases.items():
         for count, strategy in product(counts, ("sddp", "single-step")):
             yield Setting(case, (f"load.levels={count}", f'strategy.kind="{strategy}"'))
@@ -173,16 +183,39 @@ GRIDS = {
 
 @dataclass(frozen=True)
 class Ended:
-    """How a process ended: its exit code, processor seconds, peak memory [MB], and whether time ran out."""
+    """How a process ended.
 
-    code: int
+    Attributes
+    ----------
+    exit_code : int
+        Its exit code; negative if a signal ended it.
+    cpu, peak_mb : float
+        Processor seconds, and largest resident memory [MB].
+    timed_out : bool
+        Whether time ran out.
+    sources : str
+        Digest of the package's sources when it started.
+    """
+
+    exit_code: int
     cpu: float
     peak_mb: float
     timed_out: bool
+    sources: str
+
+
+def sources() -> str:
+    """Return a digest of the sources of the package that is installed."""
+    package = Path(find_spec("ngcell").submodule_search_locations[0])
+    digest = sha256()
+    for path in sorted(package.rglob("*.py")):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:8]
 
 
 def run(setting: Setting, timeout: float) -> Ended:
     """Run a setting in a process of its own; its log is `log.txt` beside its results."""
+    version = sources()
     setting.folder.mkdir(parents=True, exist_ok=True)
     for old in setting.folder.iterdir():
         old.unlink()
@@ -193,6 +226,7 @@ def run(setting: Setting, timeout: float) -> Ended:
             + ["--out", str(setting.folder), "--verbose", "--threads", "1"],
             stdout=log,
             stderr=log,
+            cwd=RUNS,  # not here, where `-m` would find this working copy instead of what is installed
         )
         timer = threading.Timer(timeout, process.kill)
         timer.start()
@@ -201,7 +235,7 @@ def run(setting: Setting, timeout: float) -> Ended:
         timer.cancel()
     process.returncode = os.waitstatus_to_exitcode(status)
     cpu = usage.ru_utime + usage.ru_stime
-    return Ended(process.returncode, cpu, usage.ru_maxrss / 1024, timed_out)
+    return Ended(process.returncode, cpu, usage.ru_maxrss / 1024, timed_out, version)
 
 
 def row(setting: Setting, ended: Ended) -> dict[str, Any]:
@@ -240,7 +274,8 @@ def row(setting: Setting, ended: Ended) -> dict[str, Any]:
         "cpu": round(ended.cpu, 2),
         "cpu_aside": round(phases.get("imports", 0.0) + phases.get("pictures", 0.0), 2),
         "peak_mb": round(ended.peak_mb),
-        "why": "" if ended.code == 0 else _why(setting, summary),
+        "why": "" if ended.exit_code == 0 else _why(setting, summary),
+        "code": ended.sources,
     }
 
 
@@ -258,7 +293,7 @@ def _summary(setting: Setting) -> dict[str, Any]:
 def _outcome(ended: Ended) -> str:
     if ended.timed_out:
         return "timeout"
-    return {0: "certified", 4: "not certified"}.get(ended.code, "crashed")
+    return {0: "certified", 4: "not certified"}.get(ended.exit_code, "crashed")
 
 
 def _why(setting: Setting, summary: dict[str, Any]) -> str:
@@ -281,7 +316,13 @@ def differences(settings: list[Setting]) -> Iterator[dict[str, Any]]:
     for (case, level), found in sorted(runs.items()):
         if len(found) > 1:
             spread = {name: _spread(step[name] for *_, step in found) for name in _COMPARED}
-            yield {"case": case, "level": level, "runs": len(found), **spread, "displacement": _farthest(found)}
+            yield {
+                "case": case,
+                "level": level,
+                "runs": len(found),
+                **spread,
+                "displacement": _farthest(found),
+            }
 
 
 #: Quantities of which the relative spread is given.
@@ -337,7 +378,9 @@ def _tables(grid: str, settings: list[Setting], rows: list[dict[str, Any]]) -> s
     tables = [markdown(rows, grid)]
     kept = [setting for setting in settings if setting.folder.exists()]
     if grid in ("steps", "penalty") and (spread := list(differences(kept))):
-        tables.append(markdown(spread, "Relative spread between the runs, and largest difference in displacement"))
+        tables.append(
+            markdown(spread, "Relative spread between the runs, and largest difference in displacement")
+        )
     if grid == "far":
         tables += [markdown(history(setting), setting.label) for setting in kept if history(setting)]
     return "\n".join(tables)

@@ -19,7 +19,7 @@ LIMITS = {
     "plate_balance": 1e-3,
     "smallest_jacobian": 0.0,
     "stabilisation": 1e-3,
-    "energy_from_nowhere": 1e-3,
+    "work_mismatch": 1e-3,
 }
 MEANING = {
     "residual": "norm of the forces out of balance over that of the internal forces",
@@ -30,7 +30,7 @@ MEANING = {
     "plate_balance": "sum of all support forces over the largest force in play",
     "smallest_jacobian": "smallest ratio of deformed to reference volume; must exceed the limit",
     "stabilisation": "norm of the nodal forces of what is left of the tether over that of the internal forces",
-    "energy_from_nowhere": "rise of energy beyond the work of the supports and its quadrature error, over the energy",
+    "work_mismatch": "work of the supports minus change of energy, beyond quadrature, over the energy; compact steps",
 }
 
 

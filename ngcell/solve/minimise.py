@@ -35,6 +35,8 @@ FELT, UNFELT = 0.1, 1e-4
 ROUND_OFF, NO_DECREMENT = 1e-13, 1e-18
 #: Gap, as a share of the longest step, below which a prediction keeps walls closed.
 TOUCHING = 1e-6
+#: Round-off of an energy at rest, as a share of the scale: there it is a difference of numbers of order one.
+NOISE = 1e-16
 MOST_REFUSALS = 25
 #: Room for contacts to come, in longest steps: a wider one means fewer, but fuller matrices.
 MARGIN = 2.0
@@ -189,17 +191,17 @@ class Minimiser:
         with self.clock.phase("assembly"):
             line = self.problem.linearise(state)
         energy = state.energy + self.tether_energy(state.displacement, tether)
-        lost = ROUND_OFF * max(abs(energy), NO_DECREMENT * self.energy_scale)
+        lost = max(ROUND_OFF * abs(energy), NOISE * self.energy_scale)
         for _ in range(MOST_REFUSALS):
             model = self._model(state, line, tether, shift)
             step, change = self._step(model)
             decrement = -float(model.full_gradient() @ step)
-            if -lost < change <= 0 <= decrement:
-                return _Advance(self._at(self.problem.move(state.displacement, step)), 0.0, decrement, shift)
-            if change < 0 < decrement:
+            if change <= 0 <= decrement:
                 trial = self._at(self.problem.move(state.displacement, step))
                 gain = energy - trial.energy - self.tether_energy(trial.displacement, tether)
-                quality = gain / -change
+                if -lost < change and -lost < gain:
+                    return _Advance(trial, 0.0, decrement, shift)
+                quality = gain / -change if change < 0 else -np.inf
                 if quality > POOR:
                     return _Advance(trial, self._relaxed(shift, quality, model, step), decrement, shift)
             shift = max(RAISE * shift, self._weight_of(FELT, model, step))

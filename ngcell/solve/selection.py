@@ -33,6 +33,9 @@ Array = NDArray[np.float64]
 _log = logging.getLogger(__name__)
 
 FIRST, LAST, RATIO = 1e3, 1e-7, 10.0
+#: Strength, in units of the scale, at which contact stiffens: walls have found their partners there, and floating cells
+#: are still held well enough to follow.
+STIFFEN_AT = 1e-5
 #: Decrement at which a minimisation along the path, and the last one, ends: shares of the tether's energy.
 ON_THE_WAY, AT_THE_END = 1e-2, 1e-10
 
@@ -70,15 +73,18 @@ class Release:
         apart : Minimiser
             Of the problem without contact.
         minimisers : sequence of Minimiser
-            Of the released problem, with contact from soft to stiff: the path is walked with the first, and at its end
-            the others take over one after the other.
+            Of the released problem, with contact from soft to stiff: the path is walked with the first down to
+            `STIFFEN_AT`, where the others take over one after the other, and to its end with the last.
         start, anchor : array of float, shape (unknowns,)
             Where the walk starts and where the tether pulls to [length].
         """
         *strengths, last = self.strengths()
+        limit = STIFFEN_AT * self.scale * (1 - 1e-9)
+        strong = [strength for strength in strengths if strength >= limit] or strengths[:1]
         walk = [(apart, strengths[0], ON_THE_WAY)]
-        walk += [(minimisers[0], strength, ON_THE_WAY) for strength in strengths]
-        walk += [(minimiser, last, ON_THE_WAY) for minimiser in minimisers[1:-1]]
+        walk += [(minimisers[0], strength, ON_THE_WAY) for strength in strong]
+        walk += [(minimiser, strong[-1], ON_THE_WAY) for minimiser in minimisers[1:]]
+        walk += [(minimisers[-1], strength, ON_THE_WAY) for strength in strengths[len(strong) :]]
         walk += [(minimisers[-1], last, AT_THE_END)]
         place = start
         for minimiser, strength, share in walk:

@@ -37,7 +37,7 @@ def test_reactions_balance_the_contact_forces(passage):
 
 
 def test_walls_overlap_by_no_more_than_the_penalty_lets_them(passage):
-    """The peak of the pressure is below twice its mean, and outlines as polygons tell the same depth."""
+    """The peak of the pressure is near its mean, and outlines as polygons tell the same depth."""
     for state in passage:
         contact, walls = state.accepted.minimum.state.contact, state.rig.assembly.contact.walls
         gap, _ = state.contact_points()
@@ -45,7 +45,7 @@ def test_walls_overlap_by_no_more_than_the_penalty_lets_them(passage):
         length = contact.kinematics.weight[closed].sum() / 2
         stiffness = (2 * contact.stiffness / contact.kinematics.weight)[closed].min()
         mean_pressure = np.linalg.norm(state.contact_forces.on_body[0]) / length
-        assert -gap.min() < 2 * mean_pressure / stiffness
+        assert -gap.min() < 2.5 * mean_pressure / stiffness
         assert deepest_overlap(walls, walls.nodes(state.positions)) == pytest.approx(-gap.min(), rel=0.1)
         assert -gap.min() < 0.05 * state.rig.bodies.thickness
 
@@ -55,3 +55,18 @@ def test_without_friction_the_way_out_mirrors_the_way_in(passage):
     for way_in, way_out in ((before, after), (early, late)):
         np.testing.assert_allclose(way_out * (-1, 1), way_in, rtol=0.03)
     assert abs(middle[0]) < 0.01 * abs(middle[1])
+
+
+def test_energy_does_not_jump_where_points_slide_from_edge_to_edge(passage):
+    """Rigid sliding in small steps: with half the step, the largest change is about half as large."""
+    rig = passage[0].rig
+    carried = rig.space.one * (rig.space.body_of_unknown == 1)
+
+    def energy(along: float) -> float:
+        moved = np.array([0.4 + along, 0.08])[:, None] * carried
+        return rig.assembly.at(moved.ravel()).energy
+
+    energies = np.array([energy(along) for along in np.linspace(0.0, 0.1, 401)])
+    assert energies.min() > 0
+    coarse, fine = (np.abs(np.diff(energies[::every])).max() for every in (2, 1))
+    assert fine < 0.6 * coarse
