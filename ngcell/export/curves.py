@@ -64,7 +64,9 @@ def draw_curves(
     _scale(gaps, parted, load)
     if onset is not None:
         _mark_onset((gaps, parted), onset)
-    gaps.legend(loc="upper left", frameon=False, fontsize=10.5, labelcolor=INK)
+    gaps.legend(
+        loc="lower left", bbox_to_anchor=(0, 1), ncols=2, frameon=False, fontsize=10.5, labelcolor=INK
+    )
     if not certified:
         mark_uncertified(figure)
     return save_png(figure, path)
@@ -81,7 +83,7 @@ def _canvas(load_name: str) -> tuple[Figure, Axes, Axes]:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(7.2, 5.8), dpi=DPI, facecolor="white")
-    gaps = figure.add_axes((0.115, 0.42, 0.855, 0.54))
+    gaps = figure.add_axes((0.115, 0.42, 0.855, 0.50))
     parted = figure.add_axes((0.115, 0.105, 0.855, 0.25), sharex=gaps)
     for axes, label in ((gaps, "gap"), (parted, "parted wall pairs")):
         style_axes(axes)
