@@ -81,7 +81,8 @@ class Release:
         *strengths, last = self.strengths()
         limit = STIFFEN_AT * self.scale * (1 - 1e-9)
         strong = [strength for strength in strengths if strength >= limit] or strengths[:1]
-        walk = [(apart, strengths[0], ON_THE_WAY)]
+        # Down to round-off, so that whatever the start, the walk goes on from the same place.
+        walk = [(apart, strengths[0], 0.0)]
         walk += [(minimisers[0], strength, ON_THE_WAY) for strength in strong]
         walk += [(minimiser, strong[-1], ON_THE_WAY) for minimiser in minimisers[1:]]
         walk += [(minimisers[-1], strength, ON_THE_WAY) for strength in strengths[len(strong) :]]
