@@ -18,7 +18,7 @@ from ngcell.clock import Clock
 from ngcell.contact.facing import count_corners
 from ngcell.errors import NotConverged
 from ngcell.export import ResultFolder
-from ngcell.results.certificate import worst
+from ngcell.results.certificate import MEANING, worst
 from ngcell.results.growth import growth_onset
 from ngcell.results.record import StepRecord
 from ngcell.scene import BodyScene, Case, resolved_toml
@@ -159,6 +159,7 @@ def _summary(
             name: {"worst": check.value, "limit": check.limit, "passed": check.passed}
             for name, check in checks.items()
         },
+        "meaning_of_checks": MEANING,
         "failed_steps": {
             step.record.step: step.measurement.certificate.failures
             for step in steps
