@@ -140,7 +140,7 @@ def inspect(case: Case) -> dict[str, Any]:
         "three_cell_corners": count_corners(simulation.walls),
         "largest_initial_gap": float(gap.max(initial=0.0)),
         "largest_initial_overlap": float(max(0.0, -gap.min(initial=0.0))),
-        "penalty_stiffness": [float(f(assembly.contact.stiffness)) for f in (np.min, np.max)],
+        "spring_stiffness": [float(f(assembly.contact.stiffness)) for f in (np.min, np.max)],
         "levels": list(case.level_factors),
     }
 

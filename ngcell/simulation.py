@@ -7,7 +7,7 @@ differ in their blueprint only: the mesh, the laws, and what moves.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from time import perf_counter
 
@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from ngcell.clock import Clock
 from ngcell.contact.assembly import Assembly
+from ngcell.contact.choice import contact_ladder
 from ngcell.contact.facing import find_facing
-from ngcell.contact.penalty import DEFAULT_MULTIPLE, PenaltyContact, penalty_stiffness, softer_multiples
 from ngcell.contact.tie import tie_walls
 from ngcell.contact.walls import find_walls
 from ngcell.geometry.bodies import BodyMesh
@@ -26,6 +26,7 @@ from ngcell.geometry.tissue import tissue_mesh
 from ngcell.mechanics.bulk import BulkEnergy
 from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
 from ngcell.mechanics.loading import moved_region, plate_travel, prescribed_motion
+from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.results.fields import take_snapshot
@@ -87,6 +88,8 @@ class Blueprint:
         Displacement of that region at load factor 1 [length].
     compact_first : bool
         Whether the bodies are loaded as one compact solid before they are released.
+    loads : BoundaryLoads, optional
+        What pushes and pulls besides the supports; not where `compact_first`.
     """
 
     bodies: BodyMesh
@@ -96,6 +99,7 @@ class Blueprint:
     moved: str
     travel: NDArray[np.float64]
     compact_first: bool
+    loads: BoundaryLoads | None = None
 
 
 def draw_up(scene: Case | BodyScene) -> Blueprint:
@@ -125,20 +129,23 @@ def _body_blueprint(scene: BodyScene) -> Blueprint:
         order=scene.order,
     )
     check_boundaries(bodies, [support.boundary for support in scene.supports])
+    check_boundaries(bodies, [load.boundary for load in scene.loads], wanted_by="load")
     space = DisplacementSpace(bodies, scene.order)
     supports = [
         Support(support.boundary, np.array(support.gradient), np.array(support.shift), support.components)
         for support in scene.supports
     ]
     moving = [support for support in scene.supports if support.moves]
+    motion = PrescribedMotion(space, supports)
     return Blueprint(
         bodies=bodies,
         space=space,
         laws=tuple(_law(body.material) for body in scene.bodies),
-        motion=PrescribedMotion(space, supports),
+        motion=motion,
         moved="|".join(scene.moved_boundaries) or "none",
         travel=np.array(moving[0].shift if moving else (0.0, 0.0)),
         compact_first=False,
+        loads=BoundaryLoads(space, scene.loads, motion) if scene.loads else None,
     )
 
 
@@ -166,7 +173,7 @@ class Simulation:
             self.blueprint = draw_up(scene)
             self.bodies, self.space = self.blueprint.bodies, self.blueprint.space
             self.walls = find_walls(self.bodies, self.space.scalar, self.space.rest)
-        self.bulk = BulkEnergy(self.space, self.blueprint.laws)
+        self.bulk = BulkEnergy(self.space, self.blueprint.laws, self.blueprint.loads)
         self.motion = self.blueprint.motion
         self.longest_step = self.bodies.thickness / 2
         self.scene = Scene(
@@ -182,16 +189,17 @@ class Simulation:
         """The tissue as one compact solid."""
         return Assembly(self.space, self.bulk, self.motion.fixed, tie=tie_walls(self.walls, self.space.size))
 
-    @cached_property
+    @property
     def released(self) -> Assembly:
         """The tissue with its walls in unilateral contact."""
-        return self._in_contact(DEFAULT_MULTIPLE * self._contact.stiffness)
+        return self._ladder[-1]
 
-    def _in_contact(self, multiple: float) -> Assembly:
+    @cached_property
+    def _ladder(self) -> tuple[Assembly, ...]:
+        """The released tissue, from the contact that the release is walked with to the one that is meant."""
         moduli = np.array([law.plane_strain_modulus for law in self.bulk.laws])
-        stiffness = penalty_stiffness(self.walls, moduli, multiple)
-        contact = PenaltyContact(self.walls, stiffness, reach=2 * self.longest_step)
-        return Assembly(self.space, self.bulk, self.motion.fixed, contact=contact)
+        methods = contact_ladder(self._contact, self.walls, moduli, reach=2 * self.longest_step)
+        return tuple(Assembly(self.space, self.bulk, self.motion.fixed, contact=method) for method in methods)
 
     def walk(self) -> Iterator[Step]:
         """Yield the accepted steps.
@@ -221,15 +229,11 @@ class Simulation:
         return single_step(self._released(), self.motion, steps=self._steps())
 
     def _released(self) -> Released:
-        meant = DEFAULT_MULTIPLE * self._contact.stiffness
-        ladder = [self._in_contact(multiple) for multiple in softer_multiples(meant)]
-        minimisers = [
-            self._minimiser(assembly, self.longest_step) for assembly in (*ladder, self.released)
-        ]
+        minimisers = [self._minimiser(assembly, self.longest_step) for assembly in self._ladder]
         shear_modulus = max(law.shear_modulus for law in self.bulk.laws)
         apart = self._minimiser(Assembly(self.space, self.bulk, self.motion.fixed), self.longest_step)
         path = Release(scale=shear_modulus / self.bodies.length**2)
-        return Released(apart, tuple(minimisers), path)
+        return Released(apart, tuple(minimisers), path, self.blueprint.loads)
 
     def _minimiser(self, assembly: Assembly, longest_step: float) -> Minimiser:
         modulus = max(law.shear_modulus for law in self.bulk.laws)
@@ -250,6 +254,8 @@ class Simulation:
         assembly = self.compact if accepted.phase == "compact" else self.released
         state, tether = accepted.minimum.state, accepted.tether
         force = tether.strength * (assembly.mass @ (tether.anchor - state.displacement))
+        # The solver's energy holds the loads' potential; what is reported as energy is what is stored.
+        state = replace(state, energy=state.energy - self.bulk.load_potential(state.displacement))
         return measure(
             self.scene,
             assembly,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
@@ -9,6 +11,8 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from ngcell.results.record import StepRecord
 
 ShowStep = Callable[["StepRecord"], None]
@@ -23,10 +27,8 @@ def silent_progress() -> Iterator[ShowStep]:
 @contextmanager
 def step_progress() -> Iterator[ShowStep]:
     """Show each accepted step as a line and, on a terminal, a live line for the step at work below them."""
-    from rich.console import Console
-
-    console = Console(stderr=True, highlight=False)
-    if not console.is_terminal:
+    console = _live_console()
+    if console is None:
         yield lambda record: click.echo(step_line(record), err=True)
         return
     with console.status("building the tissue") as status:
@@ -36,6 +38,15 @@ def step_progress() -> Iterator[ShowStep]:
             status.update(f"solving beyond load {record.load_factor:.4f} (Ctrl-C stops and keeps the steps)")
 
         yield show
+
+
+def _live_console() -> Console | None:
+    if not (sys.stderr.isatty() or os.environ.get("FORCE_COLOR") or os.environ.get("TTY_COMPATIBLE")):
+        return None  # as rich would say, without the time to load it
+    from rich.console import Console
+
+    console = Console(stderr=True, highlight=False)
+    return console if console.is_terminal else None
 
 
 def step_line(record: StepRecord) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import atexit
+import gc
 import logging
 import sys
 from pathlib import Path
@@ -29,6 +31,7 @@ def solve(
 
     The results are written as the run goes; a run that is stopped keeps every step that it accepted.
     """
+    _look_rarely_for_cycles()
     from ngcell.scene import case_name, find_case, read_case
 
     scene = read_case(case, overrides)
@@ -52,6 +55,12 @@ def solve(
         click.echo(line)
     if not recording.certified:
         _give_up("not certified", accepted, folder)
+
+
+def _look_rarely_for_cycles() -> None:
+    # Imports and pictures make many objects and hardly any cycles: looking for them takes a tenth of a short run.
+    gc.set_threshold(50_000)
+    atexit.register(gc.freeze)  # and none need to be found at the end
 
 
 def _log_to_stderr(level: int) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ngcell.contact.penalty import ContactSet, PenaltyContact
+from ngcell.contact.method import ContactMethod, ContactSet
 from ngcell.contact.tie import Tie
 from ngcell.mechanics.bulk import BulkEnergy
 from ngcell.mechanics.space import DisplacementSpace, csr_matrix
@@ -78,7 +78,7 @@ class Assembly:
         Stored energy of the bodies.
     fixed : array of bool, shape (dimension, size)
         Unknowns with prescribed displacement.
-    contact : PenaltyContact, optional
+    contact : ContactMethod, optional
         Contact between walls; without it walls pass through each other.
     tie : Tie, optional
         Ties between walls.
@@ -90,7 +90,7 @@ class Assembly:
         bulk: BulkEnergy,
         fixed: NDArray[np.bool_],
         *,
-        contact: PenaltyContact | None = None,
+        contact: ContactMethod | None = None,
         tie: Tie | None = None,
     ) -> None:
         self.space = space
@@ -236,6 +236,18 @@ class Assembly:
         columns = np.concatenate([column + j for _ in shifts for j in shifts])
         lower = rows >= columns
         return rows[lower], columns[lower]
+
+    def follow(self, other: Assembly, state: State) -> None:
+        """Start contact from the pressures of another assembly's equilibrium."""
+        if self.contact is not None and other.contact is not None:
+            self.contact.follow(other.contact, self.positions(state.displacement))
+
+    def improve(self, state: State) -> tuple[float, float]:
+        """Let contact learn from an equilibrium; return the largest gap by which it misses conditions, and the energy
+        that stands for it."""
+        if self.contact is None or state.contact is None:
+            return 0.0, 0.0
+        return self.contact.improve(state.contact, self.positions(state.displacement))
 
     def _lower_stiffness(self, displacement: Array) -> Array:
         _ = self.pattern

@@ -40,8 +40,6 @@ class GapKinematics:
         Factors of those unknowns in a component of ``a`` and of ``t``.
     side : array of float, shape (n,)
         Side of the secondary edge.
-    weight : array of float, shape (n,)
-        Quadrature weight [length].
     slip : array of float, shape (n,)
         Factor of ``(a . t)^2 / 2`` in the gap [1 / length**3]; 0 at ends and on straight edges.
     """
@@ -51,7 +49,6 @@ class GapKinematics:
     offset: Array
     tangent: Array
     side: Array
-    weight: Array
     slip: Array
 
     def vectors(self, positions: Array) -> tuple[Array, Array]:
@@ -89,6 +86,12 @@ class GapKinematics:
         foot = _foot_curvature(a, t, side) - self.slip[chosen, None, None] * _slip_curvature(a, t)
         return np.where(end[:, None, None], _end_curvature(a, sign), foot)
 
+    def bending(self, positions: Array, pushes: Array) -> sparse.coo_array:
+        """Return the part of the tangent that pushes along curved gaps [stress * length], shape (n,), leave."""
+        closed = np.flatnonzero(pushes > 0)
+        blocks = -pushes[closed, None, None] * self.curvatures(positions, closed)
+        return self.assemble(blocks, closed, positions.shape[1])
+
     def jacobian(self, slopes: Array, columns: int) -> sparse.csr_array:
         """Return the derivatives of all gaps by the unknowns, from `slopes`; shape (n, 2 columns)."""
         data = [
@@ -122,7 +125,7 @@ class GapKinematics:
 
 def gap_kinematics(walls: Walls, partners: Partners, positions: Array) -> GapKinematics:
     """Return the kinematics of partners that were found at `positions`, unknowns of shape (2, scalar unknowns)."""
-    primary = walls.trace(partners.edge, walls.stations[partners.station])
+    primary = walls.trace(partners.edge, partners.here)
     secondary = walls.trace(partners.other, partners.xi)
     slope, bend = (walls.trace(partners.other, partners.xi, derivative=degree) for degree in (1, 2))
     kinematics = GapKinematics(
@@ -131,7 +134,6 @@ def gap_kinematics(walls: Walls, partners: Partners, positions: Array) -> GapKin
         offset=np.concatenate([primary, -secondary], axis=1),
         tangent=np.concatenate([np.zeros_like(primary), slope], axis=1),
         side=walls.side[partners.other],
-        weight=walls.weights[partners.edge, partners.station],
         slip=np.zeros(len(partners)),
     )
     bent = np.einsum("nj,dnj->nd", bend, positions[:, walls.dofs[partners.other]])

@@ -17,28 +17,15 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ngcell.contact.gap import GapKinematics, gap_kinematics
-from ngcell.contact.search import PartnerSearch, near_edges
-from ngcell.contact.walls import Walls
+from ngcell.contact.method import ContactMethod, ContactSet
+from ngcell.contact.search import Partners, PartnerSearch, adjacency
+from ngcell.contact.walls import WallPoints, Walls
 
 Array = NDArray[np.float64]
-
-#: Stiffness of the contact that is meant, and of the one with which release paths are walked, in layers of elements:
-#: the softer one is as stiff as the layer behind the wall, and costs a third of the iterations. In between it rises by
-#: steps of `LADDER`.
-DEFAULT_MULTIPLE, PATH_MULTIPLE, LADDER = 10.0, 1.0, 10.0
-
-
-def softer_multiples(meant: float) -> list[float]:
-    """Return the multiples of the stiffness that lead up to the one that is meant, softest first."""
-    multiples, multiple = [], PATH_MULTIPLE
-    while multiple < meant * (1 - 1e-9):
-        multiples.append(multiple)
-        multiple *= LADDER
-    return multiples
-
+Index = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
-class ContactSet:
+class PenaltySet:
     """Partners found in one state, and the penalty energy of any nearby state with these partners.
 
     Attributes
@@ -57,11 +44,6 @@ class ContactSet:
         overlap = np.minimum(self.kinematics.gaps(positions), 0)
         return float(0.5 * (self.stiffness * overlap**2).sum())
 
-    def pressures(self, positions: Array) -> Array:
-        """Return the contact pressure at each partner [stress], >= 0: the two passes act as springs side by side."""
-        overlap = np.minimum(self.kinematics.gaps(positions), 0)
-        return -2 * self.stiffness * overlap / self.kinematics.weight
-
     def springs(self, positions: Array) -> tuple[Array, sparse.csr_array, Array]:
         """Return gaps, their derivatives by the unknowns, and stiffness: one one-sided spring a partner."""
         gap, slopes = self.kinematics.slopes(positions)
@@ -69,10 +51,15 @@ class ContactSet:
 
     def curvature(self, positions: Array) -> sparse.coo_array:
         """Return the part of the tangent that is due to the curvature of the closed gaps."""
-        gap = self.kinematics.gaps(positions)
-        closed = np.flatnonzero(gap < 0)
-        blocks = (self.stiffness * gap)[closed, None, None] * self.kinematics.curvatures(positions, closed)
-        return self.kinematics.assemble(blocks, closed, positions.shape[1])
+        return self.kinematics.bending(positions, self.pushes(positions))
+
+    def pushes(self, positions: Array) -> Array:
+        """Return the force that each partner transmits [stress * length], >= 0."""
+        return -self.stiffness * np.minimum(self.kinematics.gaps(positions), 0)
+
+    def missed(self, positions: Array) -> dict[str, float]:
+        """Return nothing: a penalty has no conditions of its own."""
+        return {}
 
 
 class PenaltyContact:
@@ -92,27 +79,37 @@ class PenaltyContact:
         self.walls = walls
         self.stiffness = stiffness
         self.reach = reach
-        self._search = PartnerSearch(walls, reach)
+        self._search = PartnerSearch(walls, walls.stationed, reach)
 
-    def pair(self, positions: Array) -> ContactSet:
+    def pair(self, positions: Array) -> PenaltySet:
         """Find all partners at `positions`, unknowns of shape (2, scalar unknowns)."""
         partners = self._search.partners(self.walls.nodes(positions))
         kinematics = gap_kinematics(self.walls, partners, positions)
-        pairwise = np.minimum(self.stiffness[partners.edge], self.stiffness[partners.other])
-        return ContactSet(kinematics, 0.5 * pairwise * kinematics.weight)
+        return PenaltySet(kinematics, 0.5 * self._pairwise(partners) * partners.weight)
 
-    def couplings(self, positions: Array, margin: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    def couplings(self, positions: Array, margin: float) -> tuple[Index, Index]:
         """Return rows and columns of all scalar unknowns that contact could couple while nothing moves by more
         than half of `margin` [length]."""
-        one, two = near_edges(self.walls, self.walls.nodes(positions), self.reach + margin)
-        count, width = self.walls.dofs.shape
-        touches = sparse.csr_array(
-            (np.ones(count * width), self.walls.dofs.ravel(), width * np.arange(count + 1)),
-            shape=(count, positions.shape[1]),
-        )
-        near = sparse.csr_array((np.ones(len(one)), (one, two)), shape=(count, count))
-        row, column = (touches.T @ (near + sparse.eye_array(count)) @ touches).tocoo().coords
+        near = adjacency(self.walls, self.walls.nodes(positions), self.reach + margin)
+        touches = self.walls.touches(positions.shape[1])
+        row, column = (touches.T @ near @ touches).tocoo().coords
         return row.astype(np.int64), column.astype(np.int64)
+
+    def pressures(self, positions: Array, points: WallPoints) -> Array:
+        """Return the contact pressure at points of the walls [stress]: the two passes act as springs side by side."""
+        partners = PartnerSearch(self.walls, points, self.reach).partners(self.walls.nodes(positions))
+        gaps = gap_kinematics(self.walls, partners, positions).gaps(positions)
+        return np.bincount(partners.point, -self._pairwise(partners) * np.minimum(gaps, 0), len(points.edge))
+
+    def follow(self, other: ContactMethod, positions: Array) -> None:
+        """Do nothing: a penalty learns nothing."""
+
+    def improve(self, contact: ContactSet, positions: Array) -> tuple[float, float]:
+        """Return zeros: a penalty learns nothing."""
+        return 0.0, 0.0
+
+    def _pairwise(self, partners: Partners) -> Array:
+        return np.minimum(self.stiffness[partners.edge], self.stiffness[partners.other])
 
 
 def penalty_stiffness(walls: Walls, modulus_of_body: Array, multiple: float) -> Array:

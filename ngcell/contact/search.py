@@ -1,4 +1,4 @@
-"""Who is near whom: for each quadrature point of a wall, the closest point on every other body in reach.
+"""Who is near whom: for each point of a wall, the closest point on every other body in reach.
 
 Edges whose midpoints are near are found with a k-d tree and kept while nothing has moved by more than a margin;
 their chords narrow the choice, and a few Newton steps on the curved, deformed edge finish it. A point
@@ -18,9 +18,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 from scipy.spatial import cKDTree
 
-from ngcell.contact.walls import Walls
+from ngcell.contact.walls import WallPoints, Walls
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -34,12 +35,18 @@ _END_TOLERANCE = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Partners:
-    """Quadrature points and their closest points on other bodies; all arrays have one entry a partner.
+    """Points of walls and their closest points on other bodies; all arrays have one entry a partner.
 
     Attributes
     ----------
-    edge, station : array of int
-        Primary edge and the quadrature point on it.
+    point : array of int
+        Number of the primary point among those that were asked for.
+    edge : array of int
+        Primary edge.
+    here : array of float
+        Coordinate of the point on it, in [0, 1].
+    weight : array of float
+        Quadrature weight of the point [length].
     other : array of int
         Secondary edge.
     xi : array of float
@@ -50,8 +57,10 @@ class Partners:
         +1 outside the secondary body, -1 inside.
     """
 
+    point: Index
     edge: Index
-    station: Index
+    here: Array
+    weight: Array
     other: Index
     xi: Array
     at_end: NDArray[np.bool_]
@@ -61,22 +70,52 @@ class Partners:
         return len(self.edge)
 
 
-class PartnerSearch:
-    """The search; it remembers which edges are near each other.
+class NearEdges:
+    """Ordered pairs of edges of different bodies within reach, kept while nothing has moved far.
 
     Parameters
     ----------
     walls : Walls
         The walls.
     reach : float
-        Distance up to which partners are found [length].
+        Distance up to which no pair is missed [length].
     """
 
     def __init__(self, walls: Walls, reach: float) -> None:
         self._walls = walls
+        self._reach = reach
+        self._pairs: tuple[Index, Index] | None = None
+        self._found_at: Array | None = None
+
+    def pairs(self, nodes: Array) -> tuple[Index, Index]:
+        """Return the pairs at deformed nodes of shape (edges, order + 1, 2) [length]; some may be out of reach."""
+        margin = self._reach
+        if self._pairs is None or np.abs(nodes - self._found_at).max() > margin / 2:
+            self._pairs, self._found_at = near_edges(self._walls, nodes, self._reach + 2 * margin), nodes
+        return self._pairs
+
+
+class PartnerSearch:
+    """The search for closest points.
+
+    Parameters
+    ----------
+    walls : Walls
+        The walls.
+    points : WallPoints
+        The points that look for partners, edge by edge.
+    reach : float
+        Distance up to which partners are found [length].
+    """
+
+    def __init__(self, walls: Walls, points: WallPoints, reach: float) -> None:
+        self._walls = walls
+        self._points = points
         self.reach = reach
-        self._near: tuple[Index, Index] | None = None
-        self._near_at: Array | None = None
+        self._count = np.bincount(points.edge, minlength=walls.edge_count)
+        self._first = np.cumsum(self._count) - self._count
+        self._values = walls.basis.values(points.xi)
+        self._near = NearEdges(walls, reach)
 
     def partners(self, nodes: Array) -> Partners:
         """Return all partners of a deformed state.
@@ -87,24 +126,22 @@ class PartnerSearch:
             Deformed positions of the walls' nodes [length].
         """
         walls = self._walls
-        edge, other = self._near_edges(nodes)
-        count = len(walls.stations)
-        edge, other = np.repeat(edge, count), np.repeat(other, count)
-        station = np.tile(np.arange(count), len(edge) // count)
-        point = (walls.station_values @ nodes)[edge, station]
-        keep = _best_chords(edge * count + station, walls.body[other], point, nodes[other], self.reach)
-        edge, station, other, point = edge[keep], station[keep], other[keep], point[keep]
-        xi, distance = _closest(walls, nodes[other], point)
-        group = (edge * count + station) * (walls.body.max() + 1) + walls.body[other]
-        best = _smallest_of_group(group, _joints_apart(walls, nodes, other, point, distance))
+        number, other = self._candidates(nodes)
+        place = np.einsum("pi,pid->pd", self._values, nodes[self._points.edge])[number]
+        keep = _best_chords(number, walls.body[other], place, nodes[other], self.reach)
+        number, other, place = number[keep], other[keep], place[keep]
+        xi, distance = closest_on_edges(walls, nodes[other], place)
+        group = number * (walls.body.max() + 1) + walls.body[other]
+        best = _smallest_of_group(group, _joints_apart(walls, nodes, other, place, distance))
         best = best[distance[best] <= self.reach]
-        return _classified(walls, nodes, edge[best], station[best], other[best], xi[best], point[best])
+        return _classified(walls, nodes, self._points, number[best], other[best], xi[best], place[best])
 
-    def _near_edges(self, nodes: Array) -> tuple[Index, Index]:
-        margin = self.reach
-        if self._near is None or np.abs(nodes - self._near_at).max() > margin / 2:
-            self._near, self._near_at = near_edges(self._walls, nodes, self.reach + 2 * margin), nodes
-        return self._near
+    def _candidates(self, nodes: Array) -> tuple[Index, Index]:
+        """Return points and edges near their own edge."""
+        edge, other = self._near.pairs(nodes)
+        count = self._count[edge]
+        number = np.repeat(self._first[edge] - np.cumsum(count) + count, count) + np.arange(count.sum())
+        return number, np.repeat(other, count)
 
 
 def near_edges(walls: Walls, nodes: Array, reach: float) -> tuple[Index, Index]:
@@ -117,6 +154,13 @@ def near_edges(walls: Walls, nodes: Array, reach: float) -> tuple[Index, Index]:
     near = (walls.body[one] != walls.body[two]) & (distance < reach + half[one] + half[two])
     one, two = one[near], two[near]
     return np.concatenate([one, two]), np.concatenate([two, one])
+
+
+def adjacency(walls: Walls, nodes: Array, reach: float) -> sparse.csr_array:
+    """Return which edges are the same or nearer than `reach` [length], shape (edges, edges)."""
+    one, two = near_edges(walls, nodes, reach)
+    near = sparse.csr_array((np.ones(len(one)), (one, two)), shape=(walls.edge_count,) * 2)
+    return (near + sparse.eye_array(walls.edge_count)).tocsr()
 
 
 def nearest_on_body(walls: Walls, nodes: Array, point: Array, body: Index) -> Array:
@@ -141,11 +185,13 @@ def nearest_on_body(walls: Walls, nodes: Array, point: Array, body: Index) -> Ar
     other = order[first[body[row]] + within]
     keep = _best_chords(row, walls.body[other], point[row], nodes[other], np.inf)
     row, other = row[keep], other[keep]
-    xi, distance = _closest(walls, nodes[other], point[row])
+    xi, distance = closest_on_edges(walls, nodes[other], point[row])
     best = _smallest_of_group(row, _joints_apart(walls, nodes, other, point[row], distance))
-    found = _classified(walls, nodes, row[best], row[best], other[best], xi[best], point[row[best]])
+    nowhere = np.zeros(len(point))
+    points = WallPoints(np.zeros(len(point), dtype=np.int64), nowhere, nowhere)
+    found = _classified(walls, nodes, points, row[best], other[best], xi[best], point[row[best]])
     signed = distance[best]
-    signed[found.edge] *= found.sign
+    signed[found.point] *= found.sign
     return signed
 
 
@@ -166,7 +212,7 @@ def _best_chords(group: Index, body: Index, point: Array, nodes: Array, reach: f
     return near[distance[near] - bulge[near] <= bound[member]]
 
 
-def _closest(walls: Walls, nodes: Array, point: Array) -> tuple[Array, Array]:
+def closest_on_edges(walls: Walls, nodes: Array, point: Array) -> tuple[Array, Array]:
     """Return coordinate and distance of the closest point on curved edges; `nodes` has one edge a point."""
     chord = nodes[:, -1] - nodes[:, 0]
     xi = np.einsum("pd,pd->p", point - nodes[:, 0], chord) / np.einsum("pd,pd->p", chord, chord)
@@ -202,13 +248,13 @@ def _smallest_of_group(group: Index, value: Array) -> Index:
 
 
 def _classified(
-    walls: Walls, nodes: Array, edge: Index, station: Index, other: Index, xi: Array, point: Array
+    walls: Walls, nodes: Array, points: WallPoints, number: Index, other: Index, xi: Array, place: Array
 ) -> Partners:
     mine = nodes[other]
     position = np.einsum("pi,pid->pd", walls.basis.values(xi), mine)
     slope = np.einsum("pi,pid->pd", walls.basis.values(xi, 1), mine)
     speed2 = np.einsum("pd,pd->p", slope, slope)
-    away = point - position
+    away = place - position
     aside = np.einsum("pd,pd->p", away, slope) / speed2
     height = walls.side[other] * (away[:, 0] * slope[:, 1] - away[:, 1] * slope[:, 0]) / speed2
     at_end = np.abs(aside) > _END_TOLERANCE
@@ -216,4 +262,5 @@ def _classified(
     slid_past = at_end & ends_here & (height < 0) & (np.abs(aside) > np.abs(height))
     kept = ~slid_past
     sign = np.where(height < 0, -1.0, 1.0)
-    return Partners(*(array[kept] for array in (edge, station, other, xi, at_end, sign)))
+    own = (number, points.edge[number], points.xi[number], points.weight[number])
+    return Partners(*(array[kept] for array in (*own, other, xi, at_end, sign)))

@@ -14,6 +14,7 @@ from functools import cached_property
 import ngsolve
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 
 from ngcell.geometry.bodies import BodyMesh
 
@@ -44,6 +45,25 @@ class Lagrange:
             factor = factor * (power - degree)
         exponent = np.maximum(power - derivative, 0)
         return (np.asarray(xi)[..., None] ** exponent * factor) @ self._to_monomials
+
+
+@dataclass(frozen=True, eq=False)
+class WallPoints:
+    """Points on wall edges, sorted by edge.
+
+    Attributes
+    ----------
+    edge : array of int, shape (n,)
+        Edge of each point.
+    xi : array of float, shape (n,)
+        Coordinate along it, in [0, 1].
+    weight : array of float, shape (n,)
+        Quadrature weight times reference length [length].
+    """
+
+    edge: Index
+    xi: Array
+    weight: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,12 +117,51 @@ class Walls:
         return np.einsum("pi,pij->pj", self.basis.values(xi, derivative), self.nodal[edge])
 
     @cached_property
+    def stationed(self) -> WallPoints:
+        """All quadrature points."""
+        edges, count = self.edge_count, len(self.stations)
+        edge, xi = np.repeat(np.arange(edges), count), np.tile(self.stations, edges)
+        return WallPoints(edge, xi, self.weights.ravel())
+
+    @cached_property
+    def ends(self) -> Index:
+        """Scalar unknowns of the vertices at the start and at the end of each edge, shape (edges, 2)."""
+        ends = np.einsum("eki,ei->ek", self.nodal[:, [0, -1], :2], self.dofs[:, :2])
+        return np.asarray(ends.round().astype(np.int64))
+
+    @cached_property
     def is_loose_end(self) -> NDArray[np.bool_]:
         """Whether the outline of the body ends at the start (0) and at the end (1) of an edge, shape (edges, 2)."""
-        count = np.bincount(self.dofs[:, :2].ravel())
-        at_start = np.einsum("ei,ei->e", self.nodal[:, 0, :2], self.dofs[:, :2]).round().astype(np.int64)
-        at_end = np.einsum("ei,ei->e", self.nodal[:, -1, :2], self.dofs[:, :2]).round().astype(np.int64)
-        return np.stack([count[at_start] < 2, count[at_end] < 2], axis=1)
+        return np.asarray(np.bincount(self.ends.ravel())[self.ends] < 2)
+
+    @cached_property
+    def turning(self) -> Array:
+        """Angle by which the outline turns at the start and at the end of each edge at rest, shape (edges, 2).
+
+        In radians, positive at convex corners; 0 where the outline ends.
+        """
+        slope = np.einsum("ki,eid->ekd", self.basis.values(np.array([0.0, 1.0]), 1), self.rest)
+        normal = np.stack([slope[..., 1], -slope[..., 0]], axis=-1) * self.side[:, None, None]
+        normal = (normal / np.linalg.norm(normal, axis=-1, keepdims=True)).reshape(-1, 2)
+        inward = (slope * np.array([1.0, -1.0])[:, None]).reshape(-1, 2)
+        order = np.argsort(self.ends.ravel(), kind="stable")
+        same = np.flatnonzero(np.diff(self.ends.ravel()[order]) == 0)
+        one, two = order[same], order[same + 1]
+        angle = np.arccos(np.clip(np.einsum("pd,pd->p", normal[one], normal[two]), -1, 1))
+        angle = np.where(np.einsum("pd,pd->p", normal[one], inward[two]) > 0, -angle, angle)
+        turning = np.zeros(len(normal))
+        turning[one] = turning[two] = angle
+        return turning.reshape(-1, 2)
+
+    def places(self, edge: Index, xi: Array, nodes: Array) -> Array:
+        """Return the positions of points on edges, shape (points, 2), at nodes of shape (edges, order + 1, 2)."""
+        return np.asarray(np.einsum("pi,pid->pd", self.basis.values(xi), nodes[edge]))
+
+    def touches(self, columns: int) -> sparse.csr_array:
+        """Return which scalar unknowns each edge has, shape (edges, columns)."""
+        count, width = self.dofs.shape
+        pointer = width * np.arange(count + 1)
+        return sparse.csr_array((np.ones(count * width), self.dofs.ravel(), pointer), shape=(count, columns))
 
     def chord_normals(self, nodes: Array) -> Array:
         """Return the outward unit normals of the chords, shape (edges, 2), at deformed nodes."""

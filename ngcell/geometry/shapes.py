@@ -111,8 +111,8 @@ def mesh_shapes(
     )
 
 
-def check_boundaries(bodies: BodyMesh, wanted: Sequence[str]) -> None:
-    """Check that a mesh has the boundaries that supports ask for.
+def check_boundaries(bodies: BodyMesh, wanted: Sequence[str], *, wanted_by: str = "support") -> None:
+    """Check that a mesh has the boundaries that supports or loads ask for.
 
     Raises
     ------
@@ -124,7 +124,7 @@ def check_boundaries(bodies: BodyMesh, wanted: Sequence[str]) -> None:
         if name not in known:
             near = get_close_matches(name, known, 1)
             hint = f" (did you mean {near[0]}?)" if near else ""
-            raise GeometryError(f"support {name}: no such boundary{hint}; allowed: {', '.join(known)}")
+            raise GeometryError(f"{wanted_by} {name}: no such boundary{hint}; allowed: {', '.join(known)}")
 
 
 def _face(shape: Any, name: str) -> occ.Face:

@@ -66,9 +66,11 @@ def contact_forces(assembly: Assembly, state: State) -> ContactForces:
         nothing = np.zeros((0, 2))
         return ContactForces(nothing.astype(np.int64), nothing, np.zeros((count, 2)), np.zeros(count))
     partners = state.contact.kinematics.partners
-    gap, slopes = state.contact.kinematics.slopes(assembly.positions(state.displacement))
-    closed = gap < 0
-    force = -(state.contact.stiffness * gap)[closed, None] * slopes[closed, :2]
+    positions = assembly.positions(state.displacement)
+    _, slopes = state.contact.kinematics.slopes(positions)
+    push = state.contact.pushes(positions)
+    closed = push > 0
+    force = push[closed, None] * slopes[closed, :2]
     body = assembly.contact.walls.body
     mine, theirs = body[partners.edge[closed]], body[partners.other[closed]]
     on_lower = np.where((mine < theirs)[:, None], force, -force)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ngcell.scene.bodies import Body, BodyScene, BodySupport
+from ngcell.scene.bodies import Body, BodyScene, BodySupport, Pressure, Traction
 from ngcell.scene.case import Case
 from ngcell.scene.catalogue import case_name, find_case, shipped_cases
-from ngcell.scene.contact import Contact, Penalty
+from ngcell.scene.contact import Contact, Mortar, Penalty
 from ngcell.scene.expected import Expected
 from ngcell.scene.load import Frame, Load, Plates
 from ngcell.scene.material import Material, MooneyRivlin
@@ -27,12 +27,15 @@ __all__ = [
     "Material",
     "MeshChoice",
     "MooneyRivlin",
+    "Mortar",
     "Penalty",
     "Plates",
+    "Pressure",
     "Sddp",
     "SingleStep",
     "Strategy",
     "Tissue",
+    "Traction",
     "case_name",
     "find_case",
     "read_case",

@@ -1,4 +1,4 @@
-"""Own bodies: shapes that a user drew, each with its material, and the supports that move them."""
+"""Own bodies: shapes that a user drew, each with its material, and the supports and loads that move them."""
 
 from __future__ import annotations
 
@@ -7,12 +7,13 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from math import isfinite
-from typing import Any
+from types import UnionType
+from typing import Any, get_args
 
 from pydantic import TypeAdapter, ValidationError
 
 from ngcell.errors import CaseError
-from ngcell.scene.contact import Contact, Penalty
+from ngcell.scene.contact import Contact, Mortar, Penalty
 from ngcell.scene.load import Levels
 from ngcell.scene.material import Material, MooneyRivlin
 
@@ -88,6 +89,52 @@ class BodySupport:
         return any(value != 0 for row in (*self.gradient, self.shift) for value in row)
 
 
+@dataclass(frozen=True)
+class Pressure:
+    """A pressure ``load_factor * value`` on a boundary, which stays normal to it as it deforms.
+
+    Parameters
+    ----------
+    boundary : str
+        Name of an edge, as for a support.
+    value : float
+        Pressure at load factor 1 [stress]; > 0 pushes on the body.
+
+    Notes
+    -----
+    It has an energy, and so a place here, where no end of the loaded line is free: the line is closed, or meets a
+    line under the same pressure, or its end is held, or it slides along a support that stays in place.
+    """
+
+    boundary: str
+    value: float
+
+    def __post_init__(self) -> None:
+        _check_name(self.boundary, "boundary of a pressure")
+        if not _is_number(self.value):
+            raise CaseError(f"pressure on {self.boundary}: value is {self.value!r}; allowed: a finite number")
+
+
+@dataclass(frozen=True)
+class Traction:
+    """A force ``load_factor * vector`` for each unit of a boundary's length at rest, which keeps its direction.
+
+    Parameters
+    ----------
+    boundary : str
+        Name of an edge, as for a support.
+    vector : tuple of float, shape (2,)
+        Force on the body for each reference length at load factor 1 [stress].
+    """
+
+    boundary: str
+    vector: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        _check_name(self.boundary, "boundary of a traction")
+        _check_numbers(self.vector, f"traction on {self.boundary}: vector", "two finite numbers")
+
+
 @dataclass(frozen=True, eq=False)
 class BodyScene:
     """Bodies, what moves them, and how finely they are resolved.
@@ -106,8 +153,10 @@ class BodyScene:
         Number of equal levels, or the increasing load factors in (0, 1] that are reported.
     steps : int, optional
         Smallest number of load steps, >= 1; by default one for each level.
-    contact : Penalty
+    contact : Penalty or Mortar
         What walls do to each other.
+    loads : tuple of Pressure or Traction
+        What pushes and pulls at boundaries; loads on the same boundary add up.
 
     Raises
     ------
@@ -122,10 +171,12 @@ class BodyScene:
     levels: int | tuple[float, ...] = 10
     steps: int | None = None
     contact: Contact = field(default_factory=Penalty)
+    loads: tuple[Pressure | Traction, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "bodies", _sequence(self.bodies, Body, "bodies"))
         object.__setattr__(self, "supports", _sequence(self.supports, BodySupport, "supports"))
+        object.__setattr__(self, "loads", _sequence(self.loads, Pressure | Traction, "loads"))
         if not self.bodies:
             raise CaseError("bodies is empty; allowed: at least one body")
         check_unique_names(body.name for body in self.bodies)
@@ -135,8 +186,8 @@ class BodyScene:
             raise CaseError(f"order is {self.order!r}; allowed: a whole number from 1 to 4")
         if self.steps is not None and (type(self.steps) is not int or self.steps < 1):
             raise CaseError(f"steps is {self.steps!r}; allowed: a whole number >= 1")
-        if not isinstance(self.contact, Penalty):
-            raise CaseError(f"contact is {self.contact!r}; allowed: a Penalty")
+        if not isinstance(self.contact, (Penalty, Mortar)):
+            raise CaseError(f"contact is {self.contact!r}; allowed: a Penalty or a Mortar")
         _check_levels(self.levels)
 
     @property
@@ -175,9 +226,10 @@ def _check_levels(levels: object) -> None:
         raise CaseError(f"levels is {levels!r}; {error.errors()[0]['msg']}") from None
 
 
-def _sequence(value: object, kind: type, place: str) -> tuple[Any, ...]:
+def _sequence(value: object, kind: type | UnionType, place: str) -> tuple[Any, ...]:
     if not isinstance(value, (list, tuple)) or not all(isinstance(entry, kind) for entry in value):
-        raise CaseError(f"{place} is {value!r}; allowed: a list of {kind.__name__}")
+        names = " or ".join(each.__name__ for each in get_args(kind) or (kind,))
+        raise CaseError(f"{place} is {value!r}; allowed: a list of {names}")
     return tuple(value)
 
 

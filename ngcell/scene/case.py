@@ -38,7 +38,7 @@ class Case(BaseModel):
         What moves them.
     strategy : Sddp or SingleStep
         How the load path is walked.
-    contact : Penalty
+    contact : Penalty or Mortar
         What walls do to each other.
     mesh : MeshChoice
         How finely the walls are resolved.

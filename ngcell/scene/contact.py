@@ -24,4 +24,12 @@ class Penalty(BaseModel):
     stiffness: PositiveNumber = 1.0
 
 
-Contact = Annotated[Penalty, ByKind(default="penalty")]
+class Mortar(BaseModel):
+    """Frictionless unilateral contact by a mortar method: the contact pressure is an unknown, walls do not overlap."""
+
+    model_config = SECTION
+
+    kind: Literal["mortar"] = "mortar"
+
+
+Contact = Annotated[Penalty | Mortar, ByKind(default="penalty")]

@@ -37,7 +37,8 @@ class SymmetricMatrix:
 
     def __init__(self, size: int, free: NDArray[np.bool_], rows: Index, columns: Index) -> None:
         self.size = size
-        self._keys = np.unique(rows * size + columns)
+        keys = np.sort(rows * size + columns)
+        self._keys = keys[np.diff(keys, prepend=-1) > 0]
         row, column = np.divmod(self._keys, size)
         self._matrix = ngsolve.la.SparseMatrixd.CreateFromCOO(
             row.astype(np.int32), column.astype(np.int32), np.zeros(len(row)), size, size
@@ -45,12 +46,10 @@ class SymmetricMatrix:
         self._values = np.asarray(self._matrix.CSR()[0])
         pointer = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=size))])
         self._lower = sparse.csr_array((np.zeros(len(row)), column, pointer), shape=(size, size))
+        self._upper = self._lower.T  # shares the values
         self._diagonal = np.flatnonzero(row == column)
         self._diagonal_rows = row[self._diagonal]
-        self._free = ngsolve.BitArray(size)
-        self._free.Clear()
-        for number in np.flatnonzero(free):
-            self._free.Set(int(number))
+        self._free = ngsolve.BitArray(free.tolist())
         self._inverse: ngsolve.BaseMatrix | None = None
         self._right = self._matrix.CreateColVector()
         self._left = self._matrix.CreateColVector()
@@ -68,11 +67,19 @@ class SymmetricMatrix:
         PatternError
             If an entry is not part of the pattern.
         """
-        wanted = rows * self.size + columns
-        position = np.minimum(np.searchsorted(self._keys, wanted), len(self._keys) - 1)
-        if not (self._keys[position] == wanted).all():
+        position, is_there = self._find(rows, columns)
+        if not is_there.all():
             raise PatternError
         return position
+
+    def has_room(self, rows: Index, columns: Index) -> bool:
+        """Tell whether all these entries are part of the pattern."""
+        return bool(self._find(rows, columns)[1].all())
+
+    def _find(self, rows: Index, columns: Index) -> tuple[Index, NDArray[np.bool_]]:
+        wanted = rows * self.size + columns
+        position = np.minimum(np.searchsorted(self._keys, wanted), len(self._keys) - 1)
+        return position, self._keys[position] == wanted
 
     def add(self, values: Array, matrix: sparse.sparray) -> Array:
         """Return `values` plus the lower triangle of a sparse matrix."""
@@ -82,6 +89,14 @@ class SymmetricMatrix:
         total = values.copy()
         total[position] += part.data
         return total
+
+    def add_springs(self, values: Array, jacobian: sparse.csr_array, spring: Array) -> Array:
+        """Return `values` plus the lower triangle of ``jacobian.T @ diag(spring) @ jacobian``."""
+        if not len(spring):
+            return values
+        forces = jacobian.copy()
+        forces.data *= np.repeat(spring, np.diff(jacobian.indptr))
+        return self.add(values, jacobian.T @ forces)
 
     def factorise(self, values: Array) -> None:
         """Factorise the matrix with these values."""
@@ -99,7 +114,7 @@ class SymmetricMatrix:
 
     def multiply(self, values: Array, vector: Array) -> Array:
         """Return the product of the symmetric matrix with these values and a vector."""
-        self._lower.data = values
-        product = self._lower @ vector + self._lower.T @ vector
+        self._lower.data[:] = values
+        product = self._lower @ vector + self._upper @ vector
         product[self._diagonal_rows] -= values[self._diagonal] * vector[self._diagonal_rows]
         return np.asarray(product)

@@ -11,12 +11,11 @@ Near the minimum differences of energies drown in round-off. There the model alo
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
 from ngcell.clock import Clock
 from ngcell.solve.linear import SymmetricMatrix
@@ -33,13 +32,16 @@ RAISE, NUDGE, LOWER = 8.0, 2.0, 0.1
 FELT, UNFELT = 0.1, 1e-4
 #: Differences of energies below this share of the energy are round-off; so are decrements below `NO_DECREMENT`.
 ROUND_OFF, NO_DECREMENT = 1e-13, 1e-18
+#: A decrement below this share of the energy that no longer falls from iteration to iteration is round-off of forces.
+STALLED = 1e-14
 #: Gap, as a share of the longest step, below which a prediction keeps walls closed.
 TOUCHING = 1e-6
 #: Round-off of an energy at rest, as a share of the scale: there it is a difference of numbers of order one.
 NOISE = 1e-16
 MOST_REFUSALS = 25
-#: Room for contacts to come, in longest steps: a wider one means fewer, but fuller matrices.
-MARGIN = 2.0
+#: Room for contacts to come, in longest steps: what a matrix must have, and what a new one gets. It fills the matrix
+#: little, and a new one costs as much as ten factorisations.
+MARGIN, WIDE_MARGIN = 2.0, 4.0
 
 
 class Ending(Enum):
@@ -49,6 +51,7 @@ class Ending(Enum):
     TOO_MANY_ITERATIONS = "too many iterations"
     NO_DESCENT = "no step lowers the energy"
     NO_ENERGY = "elements are inverted at the start"
+    CONDITIONS_MISSED = "contact conditions are not met"
 
 
 @dataclass
@@ -153,8 +156,8 @@ class Minimiser:
             advance = self._descend(state, tether, shift)
             if advance is None:
                 return Minimum(state, Ending.NO_DESCENT, decrement)
-            state, shift, decrement = advance.state, advance.shift, advance.decrement
-            if advance.shift_used == 0 and decrement <= max(tolerance, self._round_off(state)):
+            before, state, shift, decrement = decrement, advance.state, advance.shift, advance.decrement
+            if advance.shift_used == 0 and (decrement <= tolerance or self._is_lost(state, before, decrement)):
                 return Minimum(state, Ending.CONVERGED, decrement)
         return Minimum(state, Ending.TOO_MANY_ITERATIONS, decrement)
 
@@ -168,7 +171,7 @@ class Minimiser:
         model = self._model(state, self.problem.linearise(state), Tether(weight, displacement), 0.0)
         touching = np.flatnonzero(model.gap <= TOUCHING * self.longest_step)
         jacobian, spring = model.jacobian[touching], model.spring[touching]
-        values = self._matrix.add(model.stiffness, jacobian.T @ (sparse.diags_array(spring) @ jacobian))
+        values = self._matrix.add_springs(model.stiffness, jacobian, spring)
         self._matrix.factorise(values)
         self.effort.factorisations += 1
         return displacement + jump - self._matrix.solve(self._matrix.multiply(values, jump))
@@ -178,8 +181,12 @@ class Minimiser:
         away = displacement - tether.anchor
         return 0.5 * tether.strength * float(away @ (self.problem.mass @ away))
 
-    def _round_off(self, state: State) -> float:
-        return max(NO_DECREMENT * abs(state.energy), NO_DECREMENT**1.5 * self.energy_scale)
+    def _is_lost(self, state: State, before: float, decrement: float) -> bool:
+        """Return whether a decrement, and the one before it, are round-off of energy or of forces."""
+        energy = abs(state.energy)
+        if decrement <= max(NO_DECREMENT * energy, NO_DECREMENT**1.5 * self.energy_scale):
+            return True
+        return before / 4 <= decrement <= 4 * before <= 4 * STALLED * energy
 
     def _at(self, displacement: Array) -> State:
         self.effort.evaluations += 1
@@ -192,8 +199,8 @@ class Minimiser:
             line = self.problem.linearise(state)
         energy = state.energy + self.tether_energy(state.displacement, tether)
         lost = max(ROUND_OFF * abs(energy), NOISE * self.energy_scale)
+        model = self._model(state, line, tether, shift)
         for _ in range(MOST_REFUSALS):
-            model = self._model(state, line, tether, shift)
             step, change = self._step(model)
             decrement = -float(model.full_gradient() @ step)
             if change <= 0 <= decrement:
@@ -204,7 +211,8 @@ class Minimiser:
                 quality = gain / -change if change < 0 else -np.inf
                 if quality > POOR:
                     return _Advance(trial, self._relaxed(shift, quality, model, step), decrement, shift)
-            shift = max(RAISE * shift, self._weight_of(FELT, model, step))
+            raised = max(RAISE * shift, self._weight_of(FELT, model, step))
+            model, shift = self._raised(model, raised - shift), raised
             self.effort.refusals += 1
         return None
 
@@ -243,21 +251,29 @@ class Minimiser:
             gradient = np.where(self.problem.free, gradient, 0.0)
             return SpringModel(gradient, values, line.gap, line.jacobian, line.spring, self.problem.free)
 
-    def _has_room(self, state: State, margin: float) -> bool:
-        return not self._may_touch or float(np.abs(state.displacement - self._made_at).max()) <= margin / 2
+    def _raised(self, model: SpringModel, rise: float) -> SpringModel:
+        """Return the model with its shift raised."""
+        stiffness = model.stiffness.copy()
+        stiffness[self._mass] += rise * self._mass_values
+        return replace(model, stiffness=stiffness)
+
+    def _is_near(self, state: State, margin: float) -> bool:
+        return not self._may_touch or float(np.abs(state.displacement - self._near_at).max()) <= margin / 2
 
     def _make_room(self, state: State) -> None:
-        """Make a matrix, or a new one when walls have moved so far that others may have come into reach."""
+        """Make a matrix, or a new one when walls that may have come into reach have no room in it."""
         margin = MARGIN * self.longest_step
-        if self._matrix is not None and self._has_room(state, margin):
+        if self._matrix is not None and self._is_near(state, margin):
+            return
+        near = self.problem.couplings(state, margin)
+        self._near_at, self._may_touch = state.displacement, bool(len(near[0]))
+        if self._matrix is not None and self._matrix.has_room(*near):
             return
         self.effort.patterns += 1
-        self._made_at = state.displacement
+        near = self.problem.couplings(state, WIDE_MARGIN * self.longest_step)
         bulk, mass = self.problem.pattern, self.problem.mass.tocoo()
         lower = mass.coords[0] >= mass.coords[1]
         mass_entries = tuple(index[lower].astype(np.int64) for index in mass.coords)
-        near = self.problem.couplings(state, margin)
-        self._may_touch = bool(len(near[0]))
         rows, columns = (np.concatenate(part) for part in zip(bulk, mass_entries, near, strict=True))
         self._matrix = SymmetricMatrix(len(self.problem.free), self.problem.free, rows, columns)
         self._bulk = self._matrix.locate(*bulk)

@@ -59,3 +59,10 @@ class Problem(Protocol):
 
     def couplings(self, state: State, margin: float) -> tuple[Index, Index]:
         """Return the entries that springs could fill while nothing moves by more than half of `margin`."""
+
+    def follow(self, other: Problem, state: State) -> None:
+        """Start from what another problem knows at an equilibrium of its own, and forget what was learned before."""
+
+    def improve(self, state: State) -> tuple[float, float]:
+        """Learn from an equilibrium; return the gap [length] by which it misses conditions that the energy only
+        approaches, and the energy that stands for what is missed; zeros where there are none."""

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +38,13 @@ FIRST, LAST, RATIO = 1e3, 1e-7, 10.0
 STIFFEN_AT = 1e-5
 #: Decrement at which a minimisation along the path, and the last one, ends: shares of the tether's energy.
 ON_THE_WAY, AT_THE_END = 1e-2, 1e-10
+#: Decrement at which a minimisation between updates of contact pressures ends: share of the energy that stands for what
+#: conditions are missed by.
+UPDATE = 1e-2
+#: Share of the longest step by which contact conditions may be missed at the end, and the most updates to get there.
+CONDITION, MOST_UPDATES = 1e-11, 40
+#: Share of the energy that what is missed may stand for where updates hardly help: slivers of walls bear nothing.
+NOTHING = 1e-11
 
 
 @dataclass(frozen=True)
@@ -82,23 +89,48 @@ class Release:
         limit = STIFFEN_AT * self.scale * (1 - 1e-9)
         strong = [strength for strength in strengths if strength >= limit] or strengths[:1]
         # Down to round-off, so that whatever the start, the walk goes on from the same place.
+        before, missed = minimisers[0], 0.0
         walk = [(apart, strengths[0], 0.0)]
         walk += [(minimisers[0], strength, ON_THE_WAY) for strength in strong]
         walk += [(minimiser, strong[-1], ON_THE_WAY) for minimiser in minimisers[1:]]
         walk += [(minimisers[-1], strength, ON_THE_WAY) for strength in strengths[len(strong) :]]
         walk += [(minimisers[-1], last, AT_THE_END)]
-        place = start
+        place, minimum = start, None
         for minimiser, strength, share in walk:
-            minimum = _minimise(minimiser, place, Tether(strength, anchor), share, strength / self.scale)
+            tether = Tether(strength, anchor)
+            if minimum is not None and minimiser not in (apart, before):
+                minimiser.problem.follow(before.problem, minimum.state)
+                before = minimiser
+            minimum = _minimise(minimiser, place, tether, share, strength / self.scale, UPDATE * missed)
             if minimum.ending is not Ending.CONVERGED:
-                break
+                return minimum
             place = minimum.state.displacement
-        return minimum
+            if minimiser is minimisers[-1] and share is not AT_THE_END:
+                _, missed = minimiser.problem.improve(minimum.state)
+        return _until_conditions_hold(minimiser, minimum, Tether(strength, anchor), strength / self.scale)
 
 
-def _minimise(minimiser: Minimiser, start: Array, tether: Tether, share: float, name: float) -> Minimum:
+def _until_conditions_hold(minimiser: Minimiser, minimum: Minimum, tether: Tether, name: float) -> Minimum:
+    """Improve and minimise in turn until there is nothing left to improve."""
+    before = float("inf")
+    for _ in range(MOST_UPDATES):
+        missed, energy = minimiser.problem.improve(minimum.state)
+        slow = missed > before / 2 and energy <= NOTHING * abs(minimum.state.energy)
+        if missed <= CONDITION * minimiser.longest_step or slow:
+            return minimum
+        _log.info("conditions missed by %.1e", missed)
+        before = missed
+        minimum = _minimise(minimiser, minimum.state.displacement, tether, AT_THE_END, name, UPDATE * energy)
+        if minimum.ending is not Ending.CONVERGED:
+            return minimum
+    return replace(minimum, ending=Ending.CONDITIONS_MISSED)
+
+
+def _minimise(
+    minimiser: Minimiser, start: Array, tether: Tether, share: float, name: float, enough: float = 0.0
+) -> Minimum:
     before = minimiser.effort.copy()
-    minimum = minimiser.minimise(start, tether, share * minimiser.tether_energy(start, tether))
+    minimum = minimiser.minimise(start, tether, max(share * minimiser.tether_energy(start, tether), enough))
     spent = minimiser.effort - before
     _log.info(
         "tether %.0e: %s, %d iterations, %d factorisations, %d refused, energy %.8e, decrement %.0e",

@@ -90,10 +90,7 @@ def minimum_of_springs(model: SpringModel, matrix: SymmetricMatrix) -> tuple[Arr
 def _newton_target(model: SpringModel, matrix: SymmetricMatrix, closed: NDArray[np.int64]) -> Array:
     """Return the minimum of the quadratic in which just these springs act."""
     jacobian, spring = model.jacobian[closed], model.spring[closed]
-    values = model.stiffness
-    if len(closed):
-        values = matrix.add(values, jacobian.T @ (sparse.diags_array(spring) @ jacobian))
-    matrix.factorise(values)
+    matrix.factorise(matrix.add_springs(model.stiffness, jacobian, spring))
     return -matrix.solve(model.gradient + jacobian.T @ (spring * model.gap[closed]))
 
 

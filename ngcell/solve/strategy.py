@@ -43,6 +43,13 @@ class Motion(Protocol):
         """Return the carried field."""
 
 
+class Loads(Protocol):
+    """Loads that are part of the energy; see `ngcell.mechanics.loads.BoundaryLoads`."""
+
+    def apply(self, load_factor: float) -> None:
+        """Set the load factor that energies are taken at."""
+
+
 @dataclass(frozen=True, eq=False)
 class Accepted:
     """An accepted step.
@@ -89,11 +96,14 @@ class Released:
         With contact from the softest, which the path is walked with, to the one that is meant.
     path : Release
         The path.
+    loads : Loads, optional
+        What pushes and pulls besides the supports.
     """
 
     apart: Minimiser
     minimisers: tuple[Minimiser, ...]
     path: Release
+    loads: Loads | None = None
 
     @property
     def effort(self) -> Effort:
@@ -113,6 +123,8 @@ class Released:
             If a minimisation on the path fails.
         """
         before = self.effort
+        if self.loads is not None:
+            self.loads.apply(load)
         minimum = self.path.select(self.apart, self.minimisers, start, anchor)
         if minimum.ending is not Ending.CONVERGED:
             raise StepFailed(Outcome.RELEASE_FAILED, load)

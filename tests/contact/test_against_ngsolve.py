@@ -102,7 +102,7 @@ def test_closest_points_are_those_of_ngsolve_where_walls_are_apart(order):
     )
     assert len(from_left) == 9
     away, _ = kinematics.vectors(positions)
-    places = (walls.station_values @ walls.rest)[kinematics.partners.edge, kinematics.partners.station]
+    places = walls.places(kinematics.partners.edge, kinematics.partners.here, walls.rest)
     rule = ngsolve.IntegrationRule([(xi, 0, 0) for xi in walls.stations], [1.0] * 3)
     points = mesh.MapToAllElements({ngsolve.ET.SEGM: rule}, mesh.Boundaries("left"))
     theirs, height = contact.gap(points), ngsolve.y(points).ravel()

@@ -75,8 +75,8 @@ def gaps_of_pairs(
     """Gaps of the same points to the same bodies, with the partners found anew."""
     kinematics = paired(tissue, displacement)
     partners, known = kinematics.partners, before.partners
-    where = {key: number for number, key in enumerate(zip(partners.edge, partners.station, strict=True))}
-    same = [where[known.edge[number], known.station[number]] for number in chosen]
+    where = {key: number for number, key in enumerate(zip(partners.edge, partners.here, strict=True))}
+    same = [where[known.edge[number], known.here[number]] for number in chosen]
     return kinematics.gaps(tissue.positions(displacement))[same]
 
 
@@ -85,9 +85,8 @@ def test_gaps_are_positive_between_walls_apart_and_negative_where_they_overlap(d
     tissue = small_tissue(1, 2)
     shift = tissue.body_shift(1, np.array([distance, 0.0]))
     kinematics = paired(tissue, shift)
-    x, y = (tissue.walls.station_values @ tissue.walls.rest).transpose(2, 0, 1)
-    at = kinematics.partners.edge, kinematics.partners.station
-    between = (np.abs(x - np.sqrt(3) / 2)[at] < 1e-9) & (np.abs(y)[at] < 0.4)
+    x, y = tissue.walls.places(kinematics.partners.edge, kinematics.partners.here, tissue.walls.rest).T
+    between = (np.abs(x - np.sqrt(3) / 2) < 1e-9) & (np.abs(y) < 0.4)
     assert set(tissue.walls.body[kinematics.partners.edge[between]]) == {0, 1}
     np.testing.assert_allclose(kinematics.gaps(tissue.positions(shift))[between], distance, atol=1e-12)
 
@@ -107,7 +106,7 @@ def test_partners_are_closest_points(order, depth):
     np.testing.assert_allclose(np.abs(kinematics.gaps(at)), distance, rtol=1e-9, atol=1e-14)
     # By brute force: no point of the other body's walls is nearer.
     outline = walls.basis.values(np.linspace(0, 1, 201)) @ walls.nodes(at)
-    own = (walls.station_values @ walls.nodes(at))[partners.edge, partners.station]
+    own = walls.places(partners.edge, partners.here, walls.nodes(at))
     for body in (0, 1):
         mine = walls.body[partners.edge] == body
         theirs = outline[walls.body != body].reshape(-1, 2)

@@ -40,7 +40,7 @@ def test_walls_overlap_exactly_where_their_points_lie_inside_the_other_cell(shif
     kinematics = contact_between(walls).pair(positions).kinematics
     gap, partners = kinematics.gaps(positions), kinematics.partners
     overlap = np.zeros((walls.edge_count, len(walls.stations)))
-    overlap[partners.edge, partners.station] = np.maximum(-gap, 0)
+    overlap[partners.edge, np.searchsorted(walls.stations, partners.here - 1e-9)] = np.maximum(-gap, 0)
     point = walls.station_values @ walls.nodes(positions)
     expected = np.zeros_like(overlap)
     for body, other, turn in ((0, 1, angle), (1, 0, 0.0)):
@@ -62,7 +62,7 @@ def test_a_point_that_slid_past_the_end_of_an_outline_carries_no_force():
     positions = tissue.positions(tissue.body_shift(1, np.array([-0.05, 0.4])))
     contact = contact_between(walls).pair(positions)
     gap, partners = contact.kinematics.gaps(positions), contact.kinematics.partners
-    y = (walls.station_values @ walls.nodes(positions))[partners.edge, partners.station, 1]
+    y = walls.places(partners.edge, partners.here, walls.nodes(positions))[:, 1]
     both = (y > -0.1) & (y < 0.5)
     np.testing.assert_allclose(gap[both], -0.05, atol=1e-12)
     # No further aside than deep, the end itself still pushes; beyond that nothing does.
@@ -74,7 +74,7 @@ def test_points_where_three_bodies_meet_answer_to_both_neighbours(order):
     tissue = small_tissue(2, 2, order=order)
     walls = tissue.walls
     partners = contact_between(walls).pair(tissue.space.rest).kinematics.partners
-    point = (walls.station_values @ walls.rest)[partners.edge, partners.station]
+    point = walls.places(partners.edge, partners.here, walls.rest)
     corners = (tissue.lattice.centres[:, None] + tissue.lattice.corners).reshape(-1, 2)
     place, count = np.unique(np.round(corners, 9), axis=0, return_counts=True)
     assert (count == 3).sum() == 2
@@ -83,7 +83,7 @@ def test_points_where_three_bodies_meet_answer_to_both_neighbours(order):
         near = np.linalg.norm(point - corner, axis=1) < 0.05
         for body in meeting:
             mine = near & (walls.body[partners.edge] == body)
-            seen = np.column_stack([partners.edge, partners.station])[mine]
+            seen = np.column_stack([partners.edge, partners.here])[mine]
             points, partner_count = np.unique(seen, axis=0, return_counts=True)
             assert len(points) and (partner_count == 2).all()
             assert set(walls.body[partners.other[mine]]) == set(meeting) - {body}

@@ -11,11 +11,12 @@ import numpy as np
 from netgen import occ
 
 from ngcell.contact.assembly import Assembly
-from ngcell.contact.penalty import DEFAULT_MULTIPLE, PenaltyContact, penalty_stiffness, softer_multiples
+from ngcell.contact.choice import contact_ladder
 from ngcell.contact.walls import find_walls
 from ngcell.geometry.shapes import mesh_shapes
 from ngcell.mechanics.bulk import BulkEnergy
 from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.results.forces import ContactForces, contact_forces
@@ -83,13 +84,14 @@ class Equilibrium:
     def contact_points(self) -> tuple[np.ndarray, np.ndarray]:
         """Gap and pressure on the reference length, of all partners."""
         contact = self.accepted.minimum.state.contact
-        return contact.kinematics.gaps(self.positions), contact.pressures(self.positions)
+        weight = contact.kinematics.partners.weight
+        return contact.kinematics.gaps(self.positions), 2 * contact.pushes(self.positions) / weight
 
     def is_contact_point_in(self, *, low: tuple[float, float], high: tuple[float, float]) -> np.ndarray:
         """Which of the contact points lie in a box at rest."""
         walls = self.rig.assembly.contact.walls
         partners = self.accepted.minimum.state.contact.kinematics.partners
-        point = (walls.station_values @ walls.rest)[partners.edge, partners.station]
+        point = walls.places(partners.edge, partners.here, walls.rest)
         return ((point >= low) & (point <= high)).all(1)
 
     def vertices(self, boundary: str) -> np.ndarray:
@@ -105,7 +107,8 @@ class Equilibrium:
     def body_energy(self, body: int) -> float:
         """Stored energy of a body: what is left when all others are put back to rest."""
         alone = self.displacement.reshape(2, -1) * (self.rig.space.body_of_unknown == body)
-        return self.rig.assembly.bulk.energy(alone.ravel())
+        bulk = self.rig.assembly.bulk
+        return bulk.energy(alone.ravel()) - bulk.load_potential(alone.ravel())
 
 
 class Rig:
@@ -136,16 +139,16 @@ class Rig:
             for given in scene.supports
         ]
         self.motion = PrescribedMotion(self.space, supports)
-        self.bulk = BulkEnergy(self.space, self.laws)
-        self.multiple = DEFAULT_MULTIPLE * scene.contact.stiffness
-        self.assembly = self._in_contact(self.multiple)
+        self.loads = BoundaryLoads(self.space, scene.loads, self.motion) if scene.loads else None
+        self.bulk = BulkEnergy(self.space, self.laws, self.loads)
+        self.ladder = self._ladder()
+        self.assembly = self.ladder[-1]
 
-    def _in_contact(self, multiple: float) -> Assembly:
+    def _ladder(self) -> list[Assembly]:
         walls = find_walls(self.bodies, self.space.scalar, self.space.rest)
         moduli = np.array([law.plane_strain_modulus for law in self.laws])
-        stiffness = penalty_stiffness(walls, moduli, multiple)
-        contact = PenaltyContact(walls, stiffness, reach=self.bodies.thickness)
-        return Assembly(self.space, self.bulk, self.motion.fixed, contact=contact)
+        methods = contact_ladder(self.scene.contact, walls, moduli, reach=self.bodies.thickness)
+        return [Assembly(self.space, self.bulk, self.motion.fixed, contact=method) for method in methods]
 
     def _minimiser(self, assembly: Assembly) -> Minimiser:
         modulus = max(law.shear_modulus for law in self.laws)
@@ -154,10 +157,9 @@ class Rig:
 
     def walk(self) -> Iterator[Equilibrium]:
         """Equilibria at the levels."""
-        ladder = [*map(self._in_contact, softer_multiples(self.multiple)), self.assembly]
         apart = self._minimiser(Assembly(self.space, self.bulk, self.motion.fixed))
         scale = max(law.shear_modulus for law in self.laws) / self.bodies.length**2
-        released = Released(apart, tuple(map(self._minimiser, ladder)), Release(scale))
+        released = Released(apart, tuple(map(self._minimiser, self.ladder)), Release(scale), self.loads)
         for accepted in single_step(released, self.motion, steps=self.scene.level_factors):
             yield Equilibrium(self, accepted)
 

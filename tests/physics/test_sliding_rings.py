@@ -42,8 +42,8 @@ def test_walls_overlap_by_no_more_than_the_penalty_lets_them(passage):
         contact, walls = state.accepted.minimum.state.contact, state.rig.assembly.contact.walls
         gap, _ = state.contact_points()
         closed = gap < 0
-        length = contact.kinematics.weight[closed].sum() / 2
-        stiffness = (2 * contact.stiffness / contact.kinematics.weight)[closed].min()
+        length = contact.kinematics.partners.weight[closed].sum() / 2
+        stiffness = (2 * contact.stiffness / contact.kinematics.partners.weight)[closed].min()
         mean_pressure = np.linalg.norm(state.contact_forces.on_body[0]) / length
         assert -gap.min() < 2.5 * mean_pressure / stiffness
         assert deepest_overlap(walls, walls.nodes(state.positions)) == pytest.approx(-gap.min(), rel=0.1)

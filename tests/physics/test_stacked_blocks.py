@@ -17,8 +17,8 @@ from netgen import occ
 from scipy.optimize import brentq
 
 from ngcell.scene.bodies import Body, BodyScene, BodySupport
-from tests.physics.radial import RadialSolid
 from tests.physics.rig import Equilibrium, Rig, rubber
+from tools.radial import RadialSolid
 
 KAPPA = 1000.0
 SOLID = RadialSolid(0.8, 0.2, KAPPA)
@@ -81,7 +81,7 @@ def pressed(stretch: float, walls: str | None = None) -> Equilibrium:
 def stiffness_of(state: Equilibrium) -> float:
     """Penalty stiffness for each reference length: the same all along the matching walls."""
     contact = state.accepted.minimum.state.contact
-    both_passes = 2 * contact.stiffness / contact.kinematics.weight
+    both_passes = 2 * contact.stiffness / contact.kinematics.partners.weight
     assert np.ptp(both_passes) < 1e-9 * both_passes.mean()
     return float(both_passes.mean())
 

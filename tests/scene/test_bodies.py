@@ -8,7 +8,7 @@ import pytest
 
 from ngcell.errors import CaseError
 from ngcell.scene import MooneyRivlin
-from ngcell.scene.bodies import Body, BodyScene, BodySupport
+from ngcell.scene.bodies import Body, BodyScene, BodySupport, Pressure, Traction
 
 RUBBER = MooneyRivlin(c1=1.0, c2=0.0, bulk_modulus=100.0)
 BODY = Body(object(), RUBBER, "block")
@@ -28,6 +28,12 @@ def test_moved_boundaries_are_those_that_a_support_moves():
         scene.order = 3
 
 
+def test_loads_are_kept_in_order_and_there_are_none_by_default():
+    assert BodyScene([BODY]).loads == ()
+    loads = [Pressure("bore", 1), Traction("rim", (0, -0.5))]
+    assert BodyScene([BODY], loads=loads).loads == tuple(loads)
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [
@@ -43,6 +49,14 @@ def test_moved_boundaries_are_those_that_a_support_moves():
         (lambda: BodyScene([]), "bodies is empty"),
         (lambda: BodyScene(BODY), "bodies is .*; allowed: a list of Body"),
         (lambda: BodyScene([BODY], [BODY]), "supports is .*; allowed: a list of BodySupport"),
+        (lambda: Pressure("bo re", 1.0), "boundary of a pressure is 'bo re'; allowed: letters"),
+        (lambda: Pressure("bore", (1, 2)), r"pressure on bore: value is \(1, 2\); allowed: a finite number"),
+        (lambda: Pressure("bore", float("inf")), "pressure on bore: value is inf; allowed: a finite number"),
+        (lambda: Traction("", (1, 2)), "boundary of a traction is ''; allowed: letters"),
+        (lambda: Traction("rim", 1.0), "traction on rim: vector is 1.0; allowed: two finite numbers"),
+        (lambda: Traction("rim", (1, "2")), r"traction on rim: vector is \(1, '2'\); allowed: two finite"),
+        (lambda: BodyScene([BODY], loads=Pressure("rim", 1)), "loads is .*; allowed: a list of Pressure or Traction"),
+        (lambda: BodyScene([BODY], loads=[BODY]), "loads is .*; allowed: a list of Pressure or Traction"),
         (lambda: BodyScene([BODY, BODY]), "body name 'block' is used twice"),
         (lambda: BodyScene([BODY], size=0.0), "size is 0.0; allowed: a finite length > 0"),
         (lambda: BodyScene([BODY], order=5), "order is 5; allowed: a whole number from 1 to 4"),

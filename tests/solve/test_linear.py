@@ -60,3 +60,23 @@ def test_an_entry_outside_the_pattern_is_an_error(row, column):
     lower = ([max(row, column)], [min(row, column)])
     with pytest.raises(PatternError):
         matrix.add(np.zeros(4), sparse.coo_array(([1.0], lower), shape=(4, 4)))
+
+
+def test_springs_are_added_as_their_product_and_none_change_nothing():
+    random = np.random.default_rng(2)
+    matrix = SymmetricMatrix(6, np.ones(6, bool), *np.tril_indices(6))
+    jacobian, spring = sparse.csr_array(random.standard_normal((3, 6))), random.uniform(size=3)
+    values, kept = np.arange(21.0), jacobian.copy()
+    full = jacobian.toarray().T @ np.diag(spring) @ jacobian.toarray()
+    np.testing.assert_allclose(
+        matrix.add_springs(values, jacobian, spring) - values, full[np.tril_indices(6)], atol=1e-13
+    )
+    np.testing.assert_array_equal(jacobian.toarray(), kept.toarray())
+    np.testing.assert_array_equal(matrix.add_springs(values, jacobian[:0], spring[:0]), values)
+
+
+def test_room_is_told_without_an_error():
+    matrix = SymmetricMatrix(3, np.ones(3, bool), np.array([0, 1, 2, 2]), np.array([0, 1, 2, 0]))
+    assert matrix.has_room(np.array([2, 1]), np.array([0, 1]))
+    assert matrix.has_room(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64))
+    assert not matrix.has_room(np.array([2, 2]), np.array([0, 1]))

@@ -154,10 +154,15 @@ class FakeMinimiser:
 
     stride: float
     effort: Effort = field(default_factory=Effort)
+    longest_step: float = 1.0
     reached: float = 0.0
     asked: list[float] = field(default_factory=list)
 
-    problem = SimpleNamespace(expand=lambda displacement: displacement)
+    problem = SimpleNamespace(
+        expand=lambda displacement: displacement,
+        improve=lambda state: (0.0, 0.0),
+        follow=lambda other, state: None,
+    )
 
     def minimise(self, start: np.ndarray, tether: Tether, tolerance: float = 0.0) -> Minimum:
         goal = float(start[0])

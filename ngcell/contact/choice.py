@@ -1,0 +1,54 @@
+"""From the choice in a case to contact methods: the soft ones that a path is walked with, and the one that is meant."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ngcell.contact.method import ContactMethod
+from ngcell.contact.mortar import MortarContact
+from ngcell.contact.penalty import PenaltyContact, penalty_stiffness
+from ngcell.contact.walls import Walls
+from ngcell.scene import Mortar, Penalty
+
+Array = NDArray[np.float64]
+
+#: Stiffness of the springs in layers of elements: of the penalty that is meant, of the one with which release paths are
+#: walked (as stiff as the layer behind the wall, it costs a third of the iterations), and of the mortar method, whose
+#: result does not know it. In between it rises by steps of `LADDER`.
+PENALTY_MULTIPLE, PATH_MULTIPLE, MORTAR_MULTIPLE, LADDER = 10.0, 1.0, 100.0, 10.0
+
+
+def contact_ladder(
+    choice: Penalty | Mortar, walls: Walls, modulus_of_body: Array, reach: float
+) -> tuple[ContactMethod, ...]:
+    """Return contact from the softest, with which paths are walked, to the one that is meant.
+
+    Parameters
+    ----------
+    choice : Penalty or Mortar
+        The choice.
+    walls : Walls
+        The walls.
+    modulus_of_body : array of float, shape (bodies,)
+        Plane-strain modulus of each body [stress].
+    reach : float
+        Distance up to which walls are paired [length].
+    """
+
+    def penalty(multiple: float) -> ContactMethod:
+        return PenaltyContact(walls, penalty_stiffness(walls, modulus_of_body, multiple), reach)
+
+    if isinstance(choice, Mortar):
+        stiffness = penalty_stiffness(walls, modulus_of_body, MORTAR_MULTIPLE)
+        return penalty(PATH_MULTIPLE), MortarContact(walls, stiffness, reach)
+    meant = PENALTY_MULTIPLE * choice.stiffness
+    return tuple(penalty(multiple) for multiple in (*_softer(meant), meant))
+
+
+def _softer(meant: float) -> list[float]:
+    multiples, multiple = [], PATH_MULTIPLE
+    while multiple < meant * (1 - 1e-9):
+        multiples.append(multiple)
+        multiple *= LADDER
+    return multiples

@@ -1,0 +1,84 @@
+"""What a contact method offers, whichever it is. A further method is one new file with these two classes.
+
+Signs and measures: a gap is positive where walls are apart. A push is never negative; it acts along the gap's
+derivative and drives walls apart. A contact pressure, a push for each length, is taken for each *reference* length here
+and turned into the true pressure where it is reported.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from ngcell.contact.gap import GapKinematics
+from ngcell.contact.walls import WallPoints, Walls
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+class ContactSet(Protocol):
+    """Partners found in one state, and the contact energy of any nearby state with these partners.
+
+    Positions are unknowns of shape (2, scalar unknowns) [length].
+    """
+
+    @property
+    def kinematics(self) -> GapKinematics:
+        """The partners and their gaps."""
+
+    def energy(self, positions: Array) -> float:
+        """Return the energy that the solver adds to the stored one."""
+
+    def springs(self, positions: Array) -> tuple[Array, sparse.csr_array, Array]:
+        """Return gaps, their derivatives by the unknowns, and stiffness of one-sided springs with that energy."""
+
+    def curvature(self, positions: Array) -> sparse.coo_array:
+        """Return the part of the tangent that is due to the curvature of the gaps."""
+
+    def pushes(self, positions: Array) -> Array:
+        """Return the force that each partner transmits [stress * length], >= 0."""
+
+    def missed(self, positions: Array) -> dict[str, float]:
+        """Return by how much the method misses conditions of its own, by name; the certificate has a limit for each.
+
+        ``weighted_overlap`` is a length, ``weighted_complementarity`` an energy. Empty where there are none.
+        """
+
+
+class ContactMethod(Protocol):
+    """A way to keep walls from passing through each other.
+
+    Attributes
+    ----------
+    walls : Walls
+        The walls.
+    stiffness : array of float, shape (edges,)
+        Stiffness of the springs behind each edge [stress / length].
+    """
+
+    walls: Walls
+    stiffness: Array
+
+    def pair(self, positions: Array) -> ContactSet:
+        """Find all partners."""
+
+    def couplings(self, positions: Array, margin: float) -> tuple[Index, Index]:
+        """Return rows and columns of all scalar unknowns that contact could couple while nothing moves by more
+        than half of `margin` [length]."""
+
+    def pressures(self, positions: Array, points: WallPoints) -> Array:
+        """Return the contact pressure at points of the walls [stress], >= 0, for each reference length."""
+
+    def follow(self, other: ContactMethod, positions: Array) -> None:
+        """Start from the pressures of another method at an equilibrium of its own, and forget all others."""
+
+    def improve(self, contact: ContactSet, positions: Array) -> tuple[float, float]:
+        """Learn about pressures from an equilibrium; return what it still misses of the conditions.
+
+        That is the largest gap [length], and the energy [stress * length**2] of the springs that stand for the missed
+        gaps; both are 0 where there is nothing to learn.
+        """

@@ -1,0 +1,264 @@
+"""Unilateral contact by a mortar method: the contact pressure is an unknown, and no overlap pays for it.
+
+For each function psi of the multiplier space on one wall of a pair, with integrals over the wall at rest,
+
+    gap_psi = integral psi g / integral psi >= 0,   pressure_psi >= 0,   pressure_psi gap_psi = 0.
+
+One body of each pair carries the multiplier: the softer, then the finer one. Integrals are taken segment by segment.
+
+A weighted gap does not see a corner, or two walls bent towards each other, sink in between its points: there the
+pressure is a point force, which no polynomial holds. So the vertices of both walls and the middles of their edges are
+watched, too. Each has a multiplier of its own that acts once the point is deeper than `ALLOWED` of its edge. The
+allowance falls with the mesh; it keeps watched points out of flat contact, where they would take pressure from walls.
+
+Conditions are met by the method of multipliers, a proximal form of the semismooth Newton (primal-dual active set)
+method: springs ``stiffness min(0, gap - pressure / stiffness)^2 / 2`` have, at fixed pressures, an energy that the
+solver descends; pressures then become what the springs push with, until nothing changes. Springs only set the pace:
+each update leaves of the gaps about the share of the walls' own stiffness in that of the springs.
+
+Why this variant. Multipliers that are continuous and one order lower than the trace are stable beside it for any mesh
+of the other body, and Bernstein polynomials keep pressures positive; dual multipliers only pay where multipliers are
+eliminated, which springs do already. Segments, because a rule that ignores the other mesh misses the patch test by
+the jumps it steps over. Integrals at rest, so that weights do not move. Each wall has multipliers of its own, broken at
+sharp corners, so three cells that meet at a corner have three conditions on six unknowns and none twice.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from ngcell.contact.cuts import Cuts
+from ngcell.contact.gap import GapKinematics, gap_kinematics
+from ngcell.contact.method import ContactMethod, ContactSet
+from ngcell.contact.multipliers import MultiplierSpace, bulge, watched_points
+from ngcell.contact.search import NearEdges, Partners, PartnerSearch, adjacency
+from ngcell.contact.segments import find_segments, segment_partners
+from ngcell.contact.walls import WallPoints, Walls
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+#: How deep a watched point may sink in, as a share of its edge.
+ALLOWED = 2.5e-4
+
+
+@dataclass(frozen=True, eq=False)
+class MortarSet:
+    """Weighted gaps with the partners found in one state.
+
+    Attributes
+    ----------
+    kinematics : GapKinematics
+        The points behind the gaps.
+    cuts : Cuts
+        The ends of the segments, which move as walls slide.
+    rows : array of int, shape (m,)
+        Multiplier of each weighted gap.
+    average : csr_array, shape (m, partners)
+        Share of each point in the weighted gaps.
+    allowance : array of float, shape (m,)
+        What is added to the gaps [length].
+    pressure : array of float, shape (m,)
+        Multipliers at which the set was made [stress].
+    stiffness : array of float, shape (m,)
+        Stiffness of the springs [stress / length].
+    weight : array of float, shape (m,)
+        Length that each multiplier acts on [length].
+    """
+
+    kinematics: GapKinematics
+    cuts: Cuts
+    rows: Index
+    average: sparse.csr_array
+    allowance: Array
+    pressure: Array
+    stiffness: Array
+    weight: Array
+
+    def weighted_gaps(self, positions: Array) -> Array:
+        """Return the gaps that may not be negative [length], shape (m,)."""
+        return self.average @ self.kinematics.gaps(positions) + self.allowance
+
+    def pressures(self, positions: Array) -> Array:
+        """Return the pressures that the springs push with [stress], >= 0, shape (m,)."""
+        return np.maximum(self.pressure - self.stiffness * self.weighted_gaps(positions), 0)
+
+    def energy(self, positions: Array) -> float:
+        """Return the energy of the springs above that of pressures at rest; 0 where all conditions hold."""
+        push = self.pressures(positions)
+        return float(0.5 * (self.weight / self.stiffness * (push**2 - self.pressure**2)).sum())
+
+    def springs(self, positions: Array) -> tuple[Array, sparse.csr_array, Array]:
+        """Return one one-sided spring a weighted gap."""
+        gap, slopes = self.kinematics.slopes(positions)
+        jacobian = self.average @ self.kinematics.jacobian(slopes, positions.shape[1])
+        jacobian += self.cuts.jacobian(positions)
+        shifted = self.average @ gap + self.allowance - self.pressure / self.stiffness
+        return shifted, jacobian.tocsr(), self.stiffness * self.weight
+
+    def curvature(self, positions: Array) -> sparse.coo_array:
+        """Return the part of the tangent that is due to the curvature of the pressed gaps."""
+        push = self.weight * self.pressures(positions)
+        return self.kinematics.bending(positions, self.average.T @ push) + self.cuts.curvature(positions, push)
+
+    def pushes(self, positions: Array) -> Array:
+        """Return the force that each point transmits [stress * length], >= 0."""
+        return np.asarray(self.average.T @ (self.weight * self.pressures(positions)))
+
+    def missed(self, positions: Array) -> dict[str, float]:
+        """Return the deepest weighted overlap and the work of pressures on weighted gaps."""
+        gaps = self.weighted_gaps(positions)
+        work = self.weight * self.pressures(positions) * gaps
+        return {
+            "weighted_overlap": max(0.0, -float(gaps.min(initial=0.0))),
+            "weighted_complementarity": float(np.abs(work).sum()),
+        }
+
+
+class MortarContact:
+    """Mortar contact between all walls.
+
+    Parameters
+    ----------
+    walls : Walls
+        The walls.
+    stiffness : array of float, shape (edges,)
+        Stiffness of the springs behind each edge [stress / length]; it sets the pace, not the result.
+    reach : float
+        Distance up to which walls are paired [length].
+    """
+
+    def __init__(self, walls: Walls, stiffness: Array, reach: float) -> None:
+        self.walls = walls
+        self.stiffness = stiffness
+        self.reach = reach
+        self.space = MultiplierSpace(walls)
+        self._near = NearEdges(walls, reach)
+        self._rank = _carriers_first(walls, stiffness)
+        edge, xi = watched_points(walls)
+        self._watched = PartnerSearch(walls, WallPoints(edge, xi, np.zeros(len(edge))), reach)
+        self._watched_count, self._bodies = len(edge), int(walls.body.max()) + 1
+        length = np.linalg.norm(walls.rest[:, -1] - walls.rest[:, 0], axis=1)
+        allowance = (ALLOWED * length + bulge(walls))[edge]
+        self._allowance = self._all_rows(np.zeros(self.space.size), allowance)
+        self._weight = self._all_rows(self.space.weight, walls.depth[edge])
+        by_row = np.zeros(self.space.size)
+        by_row[self.space.row] = stiffness[:, None]
+        self._stiffness = self._all_rows(by_row, stiffness[edge])
+        self.multipliers = np.zeros(len(self._weight))
+
+    def _all_rows(self, by_function: Array, by_point: Array) -> Array:
+        """Return values of all multipliers: functions first, then each watched point with each body."""
+        return np.concatenate([by_function, np.repeat(by_point, self._bodies)])
+
+    def follow(self, other: ContactMethod, positions: Array) -> None:
+        """Start from the pressures of another method at an equilibrium of its own; watched points start from none."""
+        along, _ = self._along_walls(self.walls.nodes(positions))
+        pressure = other.pressures(positions, WallPoints(along.edge, along.here, along.weight))
+        rows = np.arange(self.space.size)
+        self.multipliers = self._all_rows(self._shares(along, rows) @ pressure, np.zeros(self._watched_count))
+
+    def pair(self, positions: Array) -> MortarSet:
+        """Find all segments and watched points at `positions`, unknowns of shape (2, scalar unknowns)."""
+        nodes = self.walls.nodes(positions)
+        along, cuts = self._along_walls(nodes)
+        watched = self._watched.partners(nodes)
+        partners = Partners(*(np.concatenate(pair) for pair in zip(_arrays(along), _arrays(watched), strict=True)))
+        rows, average = self._averages(along, watched)
+        slope = np.einsum("pi,pid->pd", self.walls.basis.values(cuts.here, 1), nodes[cuts.edge])
+        return MortarSet(
+            kinematics=gap_kinematics(self.walls, partners, positions),
+            cuts=Cuts(gap_kinematics(self.walls, cuts, positions), self._shares(cuts, rows), slope),
+            rows=rows,
+            average=average,
+            allowance=self._allowance[rows],
+            pressure=self.multipliers[rows],
+            stiffness=self._stiffness[rows],
+            weight=self._weight[rows],
+        )
+
+    def _along_walls(self, nodes: Array) -> tuple[Partners, Partners]:
+        edge, other = self._near.pairs(nodes)
+        carries = self._rank[self.walls.body[edge]] < self._rank[self.walls.body[other]]
+        segments = find_segments(self.walls, nodes, edge[carries], other[carries])
+        return segment_partners(self.walls, nodes, segments, self.reach)
+
+    def _averages(self, along: Partners, watched: Partners) -> tuple[Index, sparse.csr_array]:
+        """Return the multipliers that have points, and the share of each point in their gaps."""
+        point_row = self.space.size + watched.point * self._bodies + self.walls.body[watched.other]
+        rows = np.unique(np.concatenate([self.space.row[along.edge].ravel(), point_row]))
+        place = np.searchsorted(rows, point_row), np.arange(len(point_row))
+        point_share = sparse.csr_array((np.ones(len(point_row)), place), shape=(len(rows), len(point_row)))
+        return rows, sparse.hstack([self._shares(along, rows), point_share], format="csr")
+
+    def _shares(self, points: Partners, rows: Index) -> sparse.csr_array:
+        """Return psi times the weight of each point over the integral of psi, shape (rows, points)."""
+        row = self.space.row[points.edge]
+        share = points.weight[:, None] * self.space.values(points.here) / self.space.weight[row]
+        column = np.repeat(np.arange(len(points)), row.shape[1])
+        place = np.searchsorted(rows, row.ravel()), column
+        return sparse.csr_array((share.ravel(), place), shape=(len(rows), len(points)))
+
+    def couplings(self, positions: Array, margin: float) -> tuple[Index, Index]:
+        """Return rows and columns of all scalar unknowns that contact could couple while nothing moves by more
+        than half of `margin` [length]: those of all edges near the support of one multiplier."""
+        near = adjacency(self.walls, self.walls.nodes(positions), self.reach + margin)
+        row = self.space.row
+        spread = sparse.csr_array(
+            (np.ones(row.size), (row.ravel(), np.repeat(np.arange(len(row)), row.shape[1]))),
+            shape=(self.space.size, len(row)),
+        )
+        reached = spread @ near @ self.walls.touches(positions.shape[1])
+        reached.data[:] = 1
+        row, column = (reached.T @ reached).tocoo().coords
+        return row.astype(np.int64), column.astype(np.int64)
+
+    def pressures(self, positions: Array, points: WallPoints) -> Array:
+        """Return the contact pressure at points of the walls [stress]; that of a pair is the same on both its walls."""
+        nodes = self.walls.nodes(positions)
+        multipliers = self._pushed(self.pair(positions), positions)[: self.space.size]
+        partners = PartnerSearch(self.walls, points, self.reach).partners(nodes)
+        carries = self._rank[self.walls.body[partners.edge]] < self._rank[self.walls.body[partners.other]]
+        edge = np.where(carries, partners.edge, partners.other)
+        xi = np.where(carries, partners.here, partners.xi)
+        pressure = (self.space.values(xi) * multipliers[self.space.row[edge]]).sum(1)
+        best = np.zeros(len(points.edge))
+        np.maximum.at(best, partners.point, np.where(partners.at_end & ~carries, 0.0, pressure))
+        return best
+
+    def improve(self, contact: ContactSet, positions: Array) -> tuple[float, float]:
+        """Take over the pressures of an equilibrium; return the largest gap [length] that their change stands for, and
+        the energy of that change in the springs [stress * length**2]."""
+        assert isinstance(contact, MortarSet)
+        pushed = self._pushed(contact, positions)
+        missed = np.abs(pushed - self.multipliers) / self._stiffness
+        self.multipliers = pushed
+        return float(missed.max(initial=0.0)), float((self._stiffness * self._weight * missed**2).sum()) / 2
+
+    def _pushed(self, contact: MortarSet, positions: Array) -> Array:
+        pushed = np.zeros_like(self.multipliers)
+        pushed[contact.rows] = contact.pressures(positions)
+        return pushed
+
+
+def _carriers_first(walls: Walls, stiffness: Array) -> Index:
+    """Return the rank of each body: of a pair, the one with the lower rank carries the multiplier."""
+    count = int(walls.body.max()) + 1
+    length = np.linalg.norm(walls.rest[:, -1] - walls.rest[:, 0], axis=1)
+    softness, size = np.full(count, np.inf), np.zeros(count)
+    np.minimum.at(softness, walls.body, stiffness * walls.depth)
+    np.add.at(size, walls.body, length)
+    size /= np.maximum(np.bincount(walls.body, minlength=count), 1)
+    order = np.lexsort((np.arange(count), np.round(size / size.max(), 9), np.round(np.log(softness), 9)))
+    rank = np.empty(count, dtype=np.int64)
+    rank[order] = np.arange(count)
+    return rank
+
+
+def _arrays(partners: Partners) -> tuple[NDArray[np.generic], ...]:
+    names = Partners.__dataclass_fields__
+    return tuple(getattr(partners, name) for name in names)

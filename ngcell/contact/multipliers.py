@@ -1,0 +1,99 @@
+"""The space of the contact pressure: continuous along a wall, and never negative where its coefficients are not.
+
+On each edge the pressure is a polynomial of degree ``max(1, order - 1)`` in Bernstein form, continuous from edge to
+edge and broken at sharp corners, where a wall ends. It is a subspace of the traces of displacements of that order,
+hence stable beside them for any mesh of the other body; its degree keeps the order of the displacement; and Bernstein
+polynomials are positive and add up to one, so ``coefficients >= 0`` makes the pressure itself >= 0, and a uniform
+pressure is one of them.
+"""
+
+from __future__ import annotations
+
+from math import comb
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+
+from ngcell.contact.walls import Walls
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+#: Angle in radians from which on a corner of an outline is sharp: between that of a coarse arc's edges and a hexagon's.
+SHARP = np.radians(45)
+
+
+class MultiplierSpace:
+    """Bernstein polynomials along the walls.
+
+    Parameters
+    ----------
+    walls : Walls
+        The walls.
+
+    Attributes
+    ----------
+    degree : int
+        Degree on each edge.
+    row : array of int, shape (edges, degree + 1)
+        Number of each edge's functions.
+    weight : array of float, shape (size,)
+        Integral of each function over the walls at rest [length].
+    """
+
+    def __init__(self, walls: Walls) -> None:
+        self.degree = max(1, walls.basis.order - 1)
+        self.row = _numbered(walls, self.degree)
+        shares = np.einsum("ep,pb->eb", walls.weights, self.values(walls.stations))
+        self.weight = np.bincount(self.row.ravel(), shares.ravel())
+
+    @property
+    def size(self) -> int:
+        """Number of functions."""
+        return len(self.weight)
+
+    def values(self, xi: Array) -> Array:
+        """Return the functions of an edge at `xi`, shape (*xi.shape, degree + 1)."""
+        xi = np.asarray(xi)[..., None]
+        power = np.arange(self.degree + 1)
+        binomial = np.array([comb(self.degree, k) for k in power])
+        return binomial * xi**power * (1 - xi) ** (self.degree - power)
+
+
+def _numbered(walls: Walls, degree: int) -> Index:
+    """Number the functions: those at vertices are shared by the two edges of a smooth joint."""
+    edges = walls.edge_count
+    own = np.arange(edges * (degree + 1)).reshape(edges, degree + 1)
+    smooth = np.abs(walls.turning) < SHARP
+    first, last = own[:, 0][smooth[:, 0]], own[:, -1][smooth[:, 1]]
+    vertex = np.concatenate([walls.ends[smooth[:, 0], 0], walls.ends[smooth[:, 1], 1]])
+    function = np.concatenate([first, last])
+    graph = sparse.coo_array(
+        (np.ones(len(function)), (function, own.size + vertex)),
+        shape=(own.size + walls.ends.max() + 1,) * 2,
+    )
+    _, component = connected_components(graph, directed=False)
+    _, number = np.unique(component[: own.size], return_inverse=True)
+    return np.asarray(number.reshape(edges, degree + 1), dtype=np.int64)
+
+
+def watched_points(walls: Walls) -> tuple[Index, Array]:
+    """Return the vertices, each once, and the middles of all edges, as edges and coordinates on them."""
+    _, first = np.unique(walls.ends.ravel(), return_index=True)
+    edge, end = np.divmod(first, 2)
+    middles = np.arange(walls.edge_count)
+    edge, xi = np.concatenate([edge, middles]), np.concatenate([end, np.full(len(middles), 0.5)])
+    order = np.lexsort((xi, edge))
+    return edge[order], xi[order]
+
+
+def bulge(walls: Walls) -> Array:
+    """Return how far the outline at rest rises from its edges' chords, by its turning at smooth joints [length].
+
+    Polygons that stand for touching arcs overlap by as much. Shape (edges,).
+    """
+    length = np.linalg.norm(walls.rest[:, -1] - walls.rest[:, 0], axis=1)
+    smooth = np.where(np.abs(walls.turning) < SHARP, np.abs(walls.turning), 0.0)
+    return np.asarray(length * smooth.max(1) / 4)

@@ -1,0 +1,164 @@
+"""The checks of a certificate: each a share, of what should be nothing in what is at stake."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ngcell.contact.assembly import Assembly, State
+from ngcell.results.certificate import Certificate, Check
+from ngcell.results.fields import jacobian_range
+from ngcell.results.forces import ContactForces, body_resultants
+from ngcell.results.overlap import deepest_overlap
+
+Array = NDArray[np.float64]
+
+#: Forces and energies of walls strained by less than this count as nothing when shares are taken.
+_SMALL_STRAIN = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class NodalForces:
+    """Forces on the unknowns, each of shape (unknowns,) [stress * length].
+
+    Attributes
+    ----------
+    internal : array of float
+        Gradient of the stored energy.
+    reaction : array of float
+        What supports exert on the bodies.
+    load : array of float
+        What loads exert on the bodies.
+    tether : array of float
+        What is left of the tether.
+    """
+
+    internal: Array
+    reaction: Array
+    load: Array
+    tether: Array
+
+
+def certify(
+    assembly: Assembly, state: State, nodal: NodalForces, forces: ContactForces, unstored_work: float
+) -> Certificate:
+    """Judge a step.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        What was solved: compact or released.
+    state : State
+        The accepted state.
+    nodal : NodalForces
+        Forces on the unknowns.
+    forces : ContactForces
+        Forces between bodies.
+    unstored_work : float
+        Work since the step before that is not stored [stress * length**2].
+    """
+    scale = _scales(assembly)
+    return Certificate(
+        (
+            Check("residual", _residual(assembly, state, nodal, scale)),
+            Check("penetration_over_wall", _penetration(assembly, state)),
+            Check("tension", _tension(assembly, state)),
+            Check("complementarity", _complementarity(assembly, state, scale)),
+            *_conditions(assembly, state, scale),
+            Check("body_balance", _body_balance(assembly, forces, nodal, scale)),
+            Check("plate_balance", _plate_balance(assembly, forces, nodal, scale)),
+            Check("smallest_jacobian", jacobian_range(assembly, state.displacement)[0]),
+            Check("stabilisation", _share(nodal.tether, nodal.internal, scale)),
+            Check("work_mismatch", _work_mismatch(assembly, unstored_work, state.energy, scale)),
+        )
+    )
+
+
+@dataclass(frozen=True)
+class _Scales:
+    """What counts as nothing: the force and the energy of a wall strained by `_SMALL_STRAIN`."""
+
+    force: float
+    energy: float
+
+
+def _scales(assembly: Assembly) -> _Scales:
+    modulus = min(law.shear_modulus for law in assembly.bulk.laws)
+    space = assembly.space
+    volume = float(space.one @ space.scalar_mass @ space.one)
+    return _Scales(_SMALL_STRAIN * modulus * space.bodies.thickness, _SMALL_STRAIN**2 * modulus * volume)
+
+
+def _share(force: Array, internal: Array, scale: _Scales) -> float:
+    return float(np.linalg.norm(force)) / max(float(np.linalg.norm(internal)), scale.force)
+
+
+def _residual(assembly: Assembly, state: State, nodal: NodalForces, scale: _Scales) -> float:
+    out_of_balance = assembly.gradient(state) - assembly.gather(nodal.tether)
+    return _share(out_of_balance[assembly.free], nodal.internal, scale)
+
+
+def _penetration(assembly: Assembly, state: State) -> float:
+    if assembly.contact is None or state.contact is None:
+        return 0.0  # The compact solid has no contact: what it leaves untied, at rounded corners, may overlap.
+    positions, walls = assembly.positions(state.displacement), assembly.contact.walls
+    gaps = state.contact.kinematics.gaps(positions)
+    deepest = max(-float(gaps.min(initial=0.0)), deepest_overlap(walls, walls.nodes(positions)))
+    return deepest / assembly.space.bodies.thickness
+
+
+def _tension(assembly: Assembly, state: State) -> float:
+    if state.contact is None:
+        return 0.0
+    push = state.contact.pushes(assembly.positions(state.displacement))
+    return max(0.0, -float(push.min(initial=0.0)))
+
+
+def _complementarity(assembly: Assembly, state: State, scale: _Scales) -> float:
+    if state.contact is None:
+        return 0.0
+    positions = assembly.positions(state.displacement)
+    work = state.contact.pushes(positions) @ state.contact.kinematics.gaps(positions)
+    return abs(float(work)) / max(state.energy, scale.energy)
+
+
+def _conditions(assembly: Assembly, state: State, scale: _Scales) -> tuple[Check, ...]:
+    """Return the checks of a contact method's own conditions."""
+    if state.contact is None:
+        return ()
+    missed = state.contact.missed(assembly.positions(state.displacement))
+    units = {
+        "weighted_overlap": assembly.space.bodies.thickness,
+        "weighted_complementarity": max(state.energy, scale.energy),
+    }
+    return tuple(Check(name, value / units[name]) for name, value in missed.items())
+
+
+def _largest_force(forces: ContactForces, reaction_of_body: Array) -> float:
+    sizes = [np.linalg.norm(forces.force, axis=1).max(initial=0.0)]
+    sizes.append(np.linalg.norm(reaction_of_body, axis=1).max(initial=0.0))
+    return float(max(sizes))
+
+
+def _body_balance(
+    assembly: Assembly, forces: ContactForces, nodal: NodalForces, scale: _Scales
+) -> float:
+    if assembly.contact is None:
+        return 0.0
+    held, loaded = body_resultants(assembly, nodal.reaction), body_resultants(assembly, nodal.load)
+    out_of_balance = np.linalg.norm(forces.on_body + held + loaded, axis=1).max()
+    return float(out_of_balance) / max(_largest_force(forces, held), scale.force)
+
+
+def _plate_balance(
+    assembly: Assembly, forces: ContactForces, nodal: NodalForces, scale: _Scales
+) -> float:
+    held, loaded = body_resultants(assembly, nodal.reaction), body_resultants(assembly, nodal.load)
+    return float(np.linalg.norm((held + loaded).sum(0))) / max(_largest_force(forces, held), scale.force)
+
+
+def _work_mismatch(assembly: Assembly, surplus: float, energy: float, scale: _Scales) -> float:
+    """Return the unstored work over the energy; released levels do not follow each other, and are not judged by it."""
+    return 0.0 if assembly.contact is not None else abs(surplus) / max(energy, scale.energy)

@@ -1,0 +1,170 @@
+"""Loads on boundaries: forces that are the derivative of a potential, and the ones that a pressure exerts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import ngsolve
+import numpy as np
+import pytest
+from netgen import occ
+
+from ngcell.errors import CaseError
+from ngcell.geometry.bodies import BodyMesh
+from ngcell.geometry.shapes import mesh_shapes
+from ngcell.mechanics.bulk import BulkEnergy
+from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.loads import BoundaryLoads
+from ngcell.mechanics.space import DisplacementSpace, csr_matrix
+from ngcell.mechanics.supports import PrescribedMotion, Support
+from ngcell.scene import Pressure, Traction
+
+LAW = MooneyRivlinLaw(0.7, 0.3, 20.0)
+STEP = 1e-4
+STILL = np.zeros((2, 2))
+
+
+def ring(inner: float, outer: float) -> occ.TopoDS_Shape:
+    return occ.Circle((0, 0), outer).Face() - occ.Circle((0, 0), inner).Face()
+
+
+def block() -> occ.Face:
+    """Of width 2 and height 1, off the origin, with names on all sides."""
+    face = occ.Rectangle(2, 1).Face().Move((0.3, 0.2, 0)).faces[0]
+    for side, name in (("Y", "roof"), ("X", "right")):
+        face.edges.Max(getattr(occ, side)).name = name
+        face.edges.Min(getattr(occ, side)).name = {"roof": "floor", "right": "left"}[name]
+    return face
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """Shapes with supports and loads."""
+
+    bodies: BodyMesh
+    space: DisplacementSpace
+    motion: PrescribedMotion
+    loads: BoundaryLoads
+
+    def smooth(self, amplitude: float, seed: int) -> np.ndarray:
+        """A random displacement that respects supports in place."""
+        random = np.random.default_rng(seed)
+        x, y = self.space.rest
+        one = self.space.one
+        terms = np.array([one, x, y, x * y * one, (x * x - y * y) * one, 0.1 * random.standard_normal(len(x))])
+        return self.motion.imposed(amplitude * (random.standard_normal((2, len(terms))) @ terms).ravel(), 0.0)
+
+
+def loaded(shape, loads, supports=(), order: int = 3) -> Loaded:
+    bodies = mesh_shapes([shape], ["body"], order=order, size=0.5)
+    space = DisplacementSpace(bodies, order)
+    motion = PrescribedMotion(space, [Support(*support) for support in supports])
+    return Loaded(bodies, space, motion, BoundaryLoads(space, loads, motion))
+
+
+def sliding(name: str, axis: int) -> tuple:
+    """A support along whose line a boundary may slide."""
+    return name, STILL, np.zeros(2), (axis != 0, axis != 1)
+
+
+SCENES = {
+    "bore": lambda: loaded(ring(0.5, 1.0), [Pressure("body_hole0", 0.7)]),
+    "rim": lambda: loaded(ring(0.5, 1.0), [Pressure("body_outline", -0.4)], order=2),
+    "traction": lambda: loaded(block(), [Traction("right", (0.3, -0.8)), Traction("roof", (0.1, 0.2))]),
+    "held": lambda: loaded(block(), [Pressure("roof", 0.7)], [("left|right", STILL, np.zeros(2))]),
+    "sliding": lambda: loaded(
+        block(), [Pressure("roof", 0.7), Traction("roof", (0.2, 0.0))], [sliding("left|right", 1)]
+    ),
+    "around a corner": lambda: loaded(
+        block(), [Pressure("roof", 0.7), Pressure("right", 0.7)], [sliding("left", 1), sliding("floor", 0)]
+    ),
+}
+
+
+@pytest.fixture(params=SCENES)
+def scene(request) -> Loaded:
+    return SCENES[request.param]()
+
+
+def test_forces_and_tangent_are_derivatives_of_the_potential(scene):
+    """Central differences, in directions that the supports leave free; the potential is quadratic."""
+    loads, free = scene.loads, ~scene.motion.fixed.ravel()
+    at, way = scene.smooth(0.2, 1), scene.smooth(1.0, 2) * free
+    gradient, tangent = loads.gradient(at, 0.6), loads.tangent(at, 0.6)
+    rise = loads.potential(at + STEP * way, 0.6) - loads.potential(at - STEP * way, 0.6)
+    assert rise / (2 * STEP) == pytest.approx(gradient @ way, rel=1e-9)
+    bent = (loads.gradient(at + STEP * way, 0.6) - loads.gradient(at - STEP * way, 0.6)) / (2 * STEP)
+    np.testing.assert_allclose(bent[free], (tangent @ way)[free], atol=1e-9)
+    assert abs(tangent - tangent.T).max() < 1e-12
+    assert loads.potential(np.zeros_like(at), 1.0) == 0
+    np.testing.assert_allclose(loads.gradient(at, 0.6), 0.6 * loads.gradient(at, 1.0), rtol=0, atol=1e-14)
+
+
+def test_the_bulk_energy_adds_the_potential_at_the_applied_load_factor(scene):
+    bulk, alone = BulkEnergy(scene.space, [LAW], scene.loads), BulkEnergy(scene.space, [LAW])
+    at, way = scene.smooth(0.05, 3), scene.smooth(1.0, 4)
+    for factor in (0.0, 0.6, 1.0):
+        scene.loads.apply(factor)
+        potential = scene.loads.potential(at, factor)
+        assert bulk.load_potential(at) == pytest.approx(potential, rel=1e-13)
+        assert bulk.energy(at) == pytest.approx(alone.energy(at) + potential, rel=1e-12)
+        gradient = alone.gradient(at) + scene.loads.gradient(at, factor)
+        np.testing.assert_allclose(bulk.gradient(at), gradient, atol=1e-11)
+        bent = csr_matrix(alone.tangent(at)) @ way + scene.loads.tangent(at, factor) @ way
+        np.testing.assert_allclose(csr_matrix(bulk.tangent(at)) @ way, bent, atol=1e-9)
+    assert alone.load_potential(at) == 0.0
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_forces_are_the_pressure_on_the_deformed_line(name):
+    """Virtual work of ``-p n`` on the deformed line, for any virtual displacement, those of supports included."""
+    scene = SCENES[name]()
+    at, way = scene.smooth(0.2, 1), np.random.default_rng(5).standard_normal(scene.space.unknowns)
+    mesh, work = scene.bodies.mesh, 0.0
+    u, v = scene.space.function(at), scene.space.function(way)
+    centre = (0.0, 0.0) if name in ("bore", "rim") else (1.3, 0.7)
+    away = ngsolve.CF((ngsolve.x - centre[0], ngsolve.y - centre[1])) * ngsolve.specialcf.normal(2)
+    normal = (-1 if name == "bore" else 1) * ngsolve.IfPos(away, 1, -1) * ngsolve.specialcf.normal(2)
+    gradient = ngsolve.Grad(u)
+    cofactor = ngsolve.CF(
+        (1 + gradient[1, 1], -gradient[1, 0], -gradient[0, 1], 1 + gradient[0, 0]), dims=(2, 2)
+    )
+    for load in scene.loads._loads:
+        if isinstance(load, Pressure):
+            force = -load.value * cofactor * normal
+        else:
+            force = ngsolve.CF(load.vector)
+        there = ngsolve.ds(skeleton=True, definedon=mesh.Boundaries(load.boundary), bonus_intorder=6)
+        work += ngsolve.Integrate(force * v * there, mesh)
+    assert -scene.loads.gradient(at, 1.0) @ way == pytest.approx(work, rel=1e-9)
+
+
+def test_a_closed_line_pushes_nowhere_and_a_pressure_pushes_on_the_body():
+    scene = SCENES["bore"]()
+    at = scene.smooth(0.2, 1)
+    force = scene.loads.gradient(at, 1.0).reshape(2, -1)
+    x, y = scene.space.rest + at.reshape(2, -1)
+    np.testing.assert_allclose(force @ scene.space.one, 0, atol=1e-12)
+    assert x @ force[1] - y @ force[0] == pytest.approx(0, abs=1e-12)
+    swollen = scene.space.affine(0.1 * np.eye(2), np.zeros(2)).ravel()
+    assert scene.loads.potential(swollen, 1.0) == pytest.approx(-0.7 * np.pi * 0.25 * (1.1**2 - 1), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    "supports",
+    [
+        [],
+        [("right", STILL, np.zeros(2))],
+        [sliding("left|right", 1), ("right", STILL, np.array([0.1, 0.0]), (True, False))],
+    ],
+    ids=["both free", "one free", "sliding along a support that moves"],
+)
+def test_a_pressure_with_a_free_end_is_refused(supports):
+    with pytest.raises(CaseError, match=r"its line ends at \(.*\), which may move freely; allowed: an end that is"):
+        loaded(block(), [Pressure("roof", 1.0)], supports)
+    loaded(block(), [Traction("roof", (0.0, 1.0))], supports)
+
+
+def test_held_ends_may_move_with_their_supports():
+    scene = loaded(block(), [Pressure("roof", 1.0)], [("left|right", STILL, np.array([0.1, 0.2]))])
+    assert scene.loads.potential(np.zeros(scene.space.unknowns), 1.0) == 0

@@ -1,0 +1,241 @@
+"""Concentric rings in plane strain, solved a second way: one dimension, shooting, no finite elements.
+
+    python tools/radial.py [--kappa 1000]      print the references K2 to K4 at this ratio of kappa to mu
+
+A point at the reference radius R moves to r(R); its stretches are r' along the radius, r/R around it and 1 across.
+With the stored energy W per reference volume, balance of forces along the radius is
+
+    d/dR (R dW/dl_r) = dW/dl_t.
+
+Given the radius and the pressure on one circle, r' there follows from the law, and r, r' are marched to the other
+circle. Rings that touch without friction share radius and pressure there, so marching on through the outer ring leaves
+one number to find: the radius of the bore at which the rim bears nothing. Second derivatives of W are complex
+steps: exact to round-off. Nothing is shared with the package.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import islice, pairwise
+
+import click
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+_STEP = 1e-30
+
+
+@dataclass(frozen=True)
+class RadialSolid:
+    """W = c1/2 (I1* - 3) + c2/2 (I2* - 3) + kappa/2 (ln J)^2."""
+
+    c1: float
+    c2: float
+    kappa: float
+
+    def slopes(self, radial, tangential):
+        """dW/dl_r and dW/dl_t."""
+        squares = [radial**2, tangential**2, 1.0]
+        jacobian = radial * tangential
+        first = sum(squares)
+        second = squares[0] * squares[1] + squares[1] + squares[0]
+        scale = jacobian ** (-2 / 3)
+        return [
+            (
+                self.c1 * scale * (square - first / 3)
+                + self.c2 * scale**2 * (square * (first - square) - 2 * second / 3)
+                + self.kappa * np.log(jacobian)
+            )
+            / stretch
+            for square, stretch in zip(squares[:2], (radial, tangential), strict=True)
+        ]
+
+    def radial_slope(self, radial, tangential):
+        """d2W/dl_r2 and d2W/dl_r dl_t."""
+        by_radial = self.slopes(radial + 1j * _STEP, tangential)[0].imag / _STEP
+        by_tangential = self.slopes(radial, tangential + 1j * _STEP)[0].imag / _STEP
+        return by_radial, by_tangential
+
+
+@dataclass(frozen=True)
+class Ring:
+    """A ring at rest: its solid and its radii."""
+
+    solid: RadialSolid
+    inner: float
+    outer: float
+
+
+@dataclass(frozen=True)
+class RadialState:
+    """A ring in balance: deformed radii, and pressures on the deformed circles (compression > 0)."""
+
+    inner: float
+    outer: float
+    inner_pressure: float
+    outer_pressure: float
+
+
+@dataclass(frozen=True)
+class NestedState:
+    """Two rings, one in the other, in balance."""
+
+    inside: RadialState
+    outside: RadialState
+
+    @property
+    def gap(self) -> float:
+        """Distance of the rings; zero where they touch."""
+        return self.outside.inner - self.inside.outer
+
+    @property
+    def contact_pressure(self) -> float:
+        """Pressure between the rings, on the deformed circle."""
+        return self.inside.outer_pressure
+
+
+def loaded_inside(ring: Ring, radius: float, pressure: float) -> RadialState:
+    """The state of a ring whose bore has this radius and bears this pressure."""
+    end, load = _carried(ring.solid, ring.inner, ring.outer, radius, pressure)
+    return RadialState(radius, end, pressure, load)
+
+
+def loaded_outside(ring: Ring, radius: float, pressure: float) -> RadialState:
+    """The state of a ring whose rim has this radius and bears this pressure."""
+    end, load = _carried(ring.solid, ring.outer, ring.inner, radius, pressure)
+    return RadialState(end, radius, load, pressure)
+
+
+def ring_with_free_rim(solid: RadialSolid, driven: float, radius: float, free: float) -> RadialState:
+    """A ring whose circle of reference radius `driven` is brought to `radius`, while `free` bears no load."""
+    isochoric = driven / radius
+
+    def load_at_rim(stretch: float) -> float:
+        return _pressure(solid, free, *_march(solid, driven, free, radius, stretch))
+
+    stretch = brentq(load_at_rim, 0.7 * isochoric, 1.4 * isochoric, xtol=1e-14)
+    rim, _ = _march(solid, driven, free, radius, stretch)
+    load = _pressure(solid, driven, radius, stretch)
+    if driven < free:
+        return RadialState(radius, rim, load, 0.0)
+    return RadialState(rim, radius, 0.0, load)
+
+
+def inflated_radius(solid: RadialSolid, inner: float, outer: float, pressure: float) -> float:
+    """Inner radius of a ring with free rim under a pressure inside."""
+
+    def excess(radius: float) -> float:
+        return ring_with_free_rim(solid, inner, radius, outer).inner_pressure - pressure
+
+    return brentq(excess, inner, 1.8 * inner, xtol=1e-12)
+
+
+def press_fit(inside: Ring, outside: Ring) -> NestedState:
+    """K2: a ring, wider than the bore that it sits in; bore and rim bear nothing."""
+    return _touching(inside, outside, 0.0, start=inside.inner, ratio=0.99)
+
+
+def pulled_apart(inside: Ring, outside: Ring, rim: float) -> NestedState:
+    """K3: the rim is pulled to a radius; the inner ring stays as it is."""
+    outer = ring_with_free_rim(outside.solid, outside.outer, rim, outside.inner)
+    return NestedState(RadialState(inside.inner, inside.outer, 0.0, 0.0), outer)
+
+
+def first_touch(inside: Ring, outside: Ring) -> NestedState:
+    """K4: the inner ring, inflated until it touches the outer one, which is at rest."""
+    rest = RadialState(outside.inner, outside.outer, 0.0, 0.0)
+    return NestedState(loaded_outside(inside, outside.inner, 0.0), rest)
+
+
+def closing(inside: Ring, outside: Ring, pressure: float) -> NestedState:
+    """K4: a pressure inflates the inner ring, before and after it touches the outer one."""
+    touch = first_touch(inside, outside)
+    if pressure <= touch.inside.inner_pressure:
+        radius = inflated_radius(inside.solid, inside.inner, inside.outer, pressure)
+        return NestedState(loaded_inside(inside, radius, pressure), touch.outside)
+    return _touching(inside, outside, pressure, start=touch.inside.inner, ratio=1.01)
+
+
+def _touching(inside: Ring, outside: Ring, pressure: float, *, start: float, ratio: float) -> NestedState:
+    """Two rings that touch, with a pressure in the bore and none on the rim; the bore is sought from `start` on."""
+
+    def state(radius: float) -> NestedState:
+        inner = loaded_inside(inside, radius, pressure)
+        return NestedState(inner, loaded_inside(outside, inner.outer, inner.outer_pressure))
+
+    def load_at_rim(radius: float) -> float:
+        return state(radius).outside.outer_pressure
+
+    return state(brentq(load_at_rim, *_bracket(load_at_rim, start, ratio), xtol=1e-14))
+
+
+def _bracket(function: Callable[[float], float], start: float, ratio: float) -> tuple[float, float]:
+    """The first of the intervals that go on from `start` by `ratio` in which a function changes sign."""
+    places = (start * ratio**step for step in range(400))
+    for (one, before), (two, after) in pairwise((place, function(place)) for place in islice(places, 400)):
+        if before * after <= 0:
+            return one, two
+    raise ValueError(f"no balance between radius {start} and {start * ratio**400}")
+
+
+def _carried(solid: RadialSolid, start: float, end: float, radius: float, pressure: float) -> tuple[float, float]:
+    """Radius and pressure on the circle of reference radius `end`, from those on that of `start`."""
+
+    def excess(stretch: float) -> float:
+        return _pressure(solid, start, radius, stretch) - pressure
+
+    isochoric = start / radius
+    stretch = brentq(excess, 0.5 * isochoric, 2.0 * isochoric, xtol=1e-15)
+    position, stretch = _march(solid, start, end, radius, stretch)
+    return position, _pressure(solid, end, position, stretch)
+
+
+def _march(solid: RadialSolid, start: float, end: float, radius: float, stretch: float) -> list[float]:
+    """r and r' at `end`, from those at `start`."""
+
+    def rate(place, state):
+        position, radial = state
+        tangential = position / place
+        by_radial, by_tangential = solid.radial_slope(radial, tangential)
+        along, around = solid.slopes(radial, tangential)
+        change = by_tangential * (radial - tangential) / place + (along - around) / place
+        return [radial, -change / by_radial]
+
+    path = solve_ivp(rate, (start, end), (radius, stretch), method="DOP853", rtol=1e-12, atol=1e-13)
+    return path.y[:, -1].tolist()
+
+
+def _pressure(solid: RadialSolid, rest: float, radius: float, stretch: float) -> float:
+    return -solid.slopes(stretch, radius / rest)[0] * rest / radius
+
+
+@click.command(context_settings={"help_option_names": ["-h", "--help"]})
+@click.option("--kappa", default=1000.0, show_default=True, help="Bulk over shear modulus.")
+def main(kappa: float) -> None:
+    """Print the references K2 to K4 at a finite bulk modulus, in units of the shear modulus, for c1 = c2."""
+    solid = RadialSolid(0.5, 0.5, kappa)
+
+    def ring(inner: float, outer: float) -> Ring:
+        return Ring(solid, inner, outer)
+
+    for bore, rim in ((0.9, 1.5), (0.8, 1.5)):
+        state = press_fit(ring(0.5, 1.0), ring(bore, rim))
+        click.echo(f"K2 [0.5, 1]/[{bore}, {rim}]: c = {state.inside.outer:.6f}, p = {state.contact_pressure:.6f}")
+    for rim in (1.6, 2.0):
+        state = pulled_apart(ring(0.5, 1.0), ring(1.0, 1.5), rim)
+        click.echo(f"K3 b = {rim}: gap = {state.gap:.6f}, pull at the rim = {-state.outside.outer_pressure:.6f}")
+    pair = ring(0.5, 1.0), ring(1.1, 1.6)
+    touch = first_touch(*pair)
+    click.echo(f"K4 first touch: P = {touch.inside.inner_pressure:.6f}, a = {touch.inside.inner:.6f}")
+    for pressure in (0.2, 0.3, touch.inside.inner_pressure, 0.4, 0.5, 0.6):
+        state = closing(*pair, pressure)
+        click.echo(
+            f"K4 P = {pressure:.6f}: a = {state.inside.inner:.6f}, c = {state.inside.outer:.6f}, "
+            f"p = {state.contact_pressure:.6f}, gap = {state.gap:.6f}"
+        )
+
+
+if __name__ == "__main__":
+    main()
