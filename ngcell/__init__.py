@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from ngcell.run import inspect, record, simulate
     from ngcell.scene import (
         Body,
+        BodyCase,
         BodyScene,
         BodySupport,
         Case,
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
         Penalty,
         Plates,
         Pressure,
+        Refinement,
         Sddp,
         SingleStep,
         Tissue,
@@ -31,6 +33,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Body",
+    "BodyCase",
     "BodyScene",
     "BodySupport",
     "Case",
@@ -42,6 +45,7 @@ __all__ = [
     "Penalty",
     "Plates",
     "Pressure",
+    "Refinement",
     "Sddp",
     "SingleStep",
     "Tissue",

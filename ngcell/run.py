@@ -21,7 +21,7 @@ from ngcell.export import ResultFolder
 from ngcell.results.certificate import MEANING, worst
 from ngcell.results.growth import growth_onset
 from ngcell.results.record import StepRecord
-from ngcell.scene import BodyScene, Case, resolved_toml
+from ngcell.scene import AnyCase, BodyScene, resolved_toml
 from ngcell.simulation import Simulation, Step
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.strategy import StepFailed
@@ -30,12 +30,16 @@ from ngcell.solve.strategy import StepFailed
 _UNKNOWNS_FOR_THREADS = 50_000
 
 
+#: The outcome of a run that converged elsewhere than its case expects.
+_NOT_AS_EXPECTED = "converged, but a number is not as the case expects; see the expected numbers for which one"
+
+
 class Recording:
     """A run that writes its result folder as it goes: iterate over it to run it.
 
     Parameters
     ----------
-    case : Case
+    case : Case or BodyCase
         What is simulated.
     out : Path
         The result folder.
@@ -49,7 +53,7 @@ class Recording:
     outcome : str
         How the run ended, in words.
     certified : bool
-        Whether it reached the last level and every step passed every check.
+        Whether it reached the last level and every step passed every check and every expected number.
 
     Raises
     ------
@@ -59,7 +63,7 @@ class Recording:
         While iterating: the folder cannot be used or written.
     """
 
-    def __init__(self, case: Case, out: Path, *, threads: int | None = None) -> None:
+    def __init__(self, case: AnyCase, out: Path, *, threads: int | None = None) -> None:
         self._case, self._out, self._threads = case, Path(out), threads
         self.summary: dict[str, Any] = {}
         self.outcome, self.certified = Outcome.STOPPED.value, False
@@ -92,17 +96,19 @@ class Recording:
             raise NotConverged(message, outcome=outcome.name, record_count=len(steps))
 
     def _judge(self, steps: list[Step], failure: Outcome | None) -> None:
-        self.certified = failure is None and all(step.record.certified for step in steps)
-        ended = Outcome.CERTIFIED if self.certified else Outcome.NOT_CERTIFIED
-        self.outcome = (failure or ended).value
+        in_balance = failure is None and all(step.record.certified for step in steps)
+        as_expected = all(finding.passed for step in steps for finding in step.findings)
+        self.certified = in_balance and as_expected
+        ended = Outcome.CERTIFIED if in_balance else Outcome.NOT_CERTIFIED
+        self.outcome = (failure or ended).value if as_expected or not in_balance else _NOT_AS_EXPECTED
 
 
-def record(case: Case, out: Path, *, threads: int | None = None) -> Recording:
+def record(case: AnyCase, out: Path, *, threads: int | None = None) -> Recording:
     """Return a run of a case into a result folder; iterate over it to run it."""
     return Recording(case, out, threads=threads)
 
 
-def simulate(scene: Case | BodyScene) -> list[Step]:
+def simulate(scene: AnyCase | BodyScene) -> list[Step]:
     """Run a scene without writing anything, and return its accepted steps.
 
     Raises
@@ -124,7 +130,7 @@ def simulate(scene: Case | BodyScene) -> list[Step]:
     return steps
 
 
-def inspect(case: Case) -> dict[str, Any]:
+def inspect(case: AnyCase) -> dict[str, Any]:
     """Build a case without solving it, and return what would be solved."""
     simulation = Simulation(case)
     gap = simulation.scene.facing.gaps(simulation.walls, simulation.walls.rest)
@@ -160,6 +166,7 @@ def _summary(
             for name, check in checks.items()
         },
         "meaning_of_checks": MEANING,
+        "expected": [finding.table() for step in steps for finding in step.findings],
         "failed_steps": {
             step.record.step: step.measurement.certificate.failures
             for step in steps

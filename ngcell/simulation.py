@@ -14,33 +14,31 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.blueprint import draw_up
 from ngcell.clock import Clock
 from ngcell.contact.assembly import Assembly
 from ngcell.contact.choice import contact_ladder
 from ngcell.contact.facing import find_facing
 from ngcell.contact.tie import tie_walls
 from ngcell.contact.walls import find_walls
-from ngcell.geometry.bodies import BodyMesh
-from ngcell.geometry.shapes import check_boundaries, mesh_shapes
-from ngcell.geometry.tissue import tissue_mesh
 from ngcell.mechanics.bulk import BulkEnergy
-from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
-from ngcell.mechanics.loading import moved_region, plate_travel, prescribed_motion
-from ngcell.mechanics.loads import BoundaryLoads
-from ngcell.mechanics.space import DisplacementSpace
-from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.results.fields import take_snapshot
+from ngcell.results.finding import Finding, compare
 from ngcell.results.measure import Measurement, Scene, measure, parted_pairs, wall_records
+from ngcell.results.quantities import View
 from ngcell.results.record import StepRecord, WallRecord
 from ngcell.results.snapshot import Snapshot
 from ngcell.results.surface import wall_fields
-from ngcell.scene import BodyScene, Case, MooneyRivlin, Sddp
+from ngcell.scene import AnyCase, BodyScene
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.selection import Release
 from ngcell.solve.strategy import Accepted, Released, compact_then_released, single_step
 
 #: Walls that face each other nearer than this share of their thickness count as touching at rest.
 _TOUCHING = 0.05
+#: Strength at which release paths start where walls overlap at rest, in units of the path's scale. A stronger tether
+#: would hold them deep in each other, where the nearest wall changes from point to point and the energy is not smooth.
+_FIRST_OVERLAPPING = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +57,8 @@ class Step:
         The displacement [length].
     snapshot : Snapshot or None
         The fields, at reported levels.
+    findings : list of Finding
+        What the case expects at this level, beside what was measured.
     """
 
     record: StepRecord
@@ -66,91 +66,7 @@ class Step:
     measurement: Measurement
     displacement: NDArray[np.float64]
     snapshot: Snapshot | None
-
-
-@dataclass(frozen=True, eq=False)
-class Blueprint:
-    """What a scene asks for, after meshing.
-
-    Attributes
-    ----------
-    bodies : BodyMesh
-        The mesh.
-    space : DisplacementSpace
-        The unknowns on it.
-    laws : tuple of MooneyRivlinLaw
-        Law of each body.
-    motion : PrescribedMotion
-        The supports.
-    moved : str
-        Region whose force and displacement are reported; a regular expression.
-    travel : array of float, shape (dimension,)
-        Displacement of that region at load factor 1 [length].
-    compact_first : bool
-        Whether the bodies are loaded as one compact solid before they are released.
-    loads : BoundaryLoads, optional
-        What pushes and pulls besides the supports; not where `compact_first`.
-    """
-
-    bodies: BodyMesh
-    space: DisplacementSpace
-    laws: tuple[MooneyRivlinLaw, ...]
-    motion: PrescribedMotion
-    moved: str
-    travel: NDArray[np.float64]
-    compact_first: bool
-    loads: BoundaryLoads | None = None
-
-
-def draw_up(scene: Case | BodyScene) -> Blueprint:
-    """Mesh a scene and say what moves."""
-    return _tissue_blueprint(scene) if isinstance(scene, Case) else _body_blueprint(scene)
-
-
-def _tissue_blueprint(case: Case) -> Blueprint:
-    bodies = tissue_mesh(case.tissue, case.load, case.mesh)
-    space = DisplacementSpace(bodies, case.mesh.order)
-    return Blueprint(
-        bodies=bodies,
-        space=space,
-        laws=(_law(case.material),) * bodies.body_count,
-        motion=prescribed_motion(space, case.load),
-        moved=moved_region(case.load),
-        travel=plate_travel(space, case.load),
-        compact_first=isinstance(case.strategy, Sddp),
-    )
-
-
-def _body_blueprint(scene: BodyScene) -> Blueprint:
-    bodies = mesh_shapes(
-        [body.shape for body in scene.bodies],
-        [body.name for body in scene.bodies],
-        size=scene.size,
-        order=scene.order,
-    )
-    check_boundaries(bodies, [support.boundary for support in scene.supports])
-    check_boundaries(bodies, [load.boundary for load in scene.loads], wanted_by="load")
-    space = DisplacementSpace(bodies, scene.order)
-    supports = [
-        Support(support.boundary, np.array(support.gradient), np.array(support.shift), support.components)
-        for support in scene.supports
-    ]
-    moving = [support for support in scene.supports if support.moves]
-    motion = PrescribedMotion(space, supports)
-    return Blueprint(
-        bodies=bodies,
-        space=space,
-        laws=tuple(_law(body.material) for body in scene.bodies),
-        motion=motion,
-        moved="|".join(scene.moved_boundaries) or "none",
-        travel=np.array(moving[0].shift if moving else (0.0, 0.0)),
-        compact_first=False,
-        loads=BoundaryLoads(space, scene.loads, motion) if scene.loads else None,
-    )
-
-
-def _law(material: MooneyRivlin) -> MooneyRivlinLaw:
-    return MooneyRivlinLaw(material.c1, material.c2, material.bulk_modulus)
+    findings: list[Finding]
 
 
 class Simulation:
@@ -158,22 +74,23 @@ class Simulation:
 
     Parameters
     ----------
-    scene : Case or BodyScene
+    scene : Case, BodyCase or BodyScene
         What is simulated.
     clock : Clock, optional
         Where the seconds are added up.
     """
 
-    def __init__(self, scene: Case | BodyScene, clock: Clock | None = None) -> None:
+    def __init__(self, scene: AnyCase | BodyScene, clock: Clock | None = None) -> None:
         self._contact = scene.contact
         self._step_count = scene.smallest_step_count
+        self._expected = () if isinstance(scene, BodyScene) else scene.expected
         self.levels = scene.level_factors
         self.clock = clock or Clock()
         with self.clock.phase("meshing"):
             self.blueprint = draw_up(scene)
             self.bodies, self.space = self.blueprint.bodies, self.blueprint.space
             self.walls = find_walls(self.bodies, self.space.scalar, self.space.rest)
-        self.bulk = BulkEnergy(self.space, self.blueprint.laws, self.blueprint.loads)
+        self.bulk = BulkEnergy(self.space, self.blueprint.laws, self.blueprint.loads, self.blueprint.filling)
         self.motion = self.blueprint.motion
         self.longest_step = self.bodies.thickness / 2
         self.scene = Scene(
@@ -232,8 +149,15 @@ class Simulation:
         minimisers = [self._minimiser(assembly, self.longest_step) for assembly in self._ladder]
         shear_modulus = max(law.shear_modulus for law in self.bulk.laws)
         apart = self._minimiser(Assembly(self.space, self.bulk, self.motion.fixed), self.longest_step)
-        path = Release(scale=shear_modulus / self.bodies.length**2)
+        scale = shear_modulus / self.bodies.length**2
+        path = Release(scale, first=_FIRST_OVERLAPPING) if self._overlaps_at_rest else Release(scale)
         return Released(apart, tuple(minimisers), path, self.blueprint.loads)
+
+    @property
+    def _overlaps_at_rest(self) -> bool:
+        """Whether walls are drawn into each other, as for a press-fit."""
+        gap = self.released.contact.pair(self.space.rest).kinematics.gaps(self.space.rest)
+        return float(gap.min(initial=0.0)) < -_TOUCHING * self.bodies.thickness
 
     def _minimiser(self, assembly: Assembly, longest_step: float) -> Minimiser:
         modulus = max(law.shear_modulus for law in self.bulk.laws)
@@ -293,8 +217,10 @@ class Simulation:
             seconds=seconds,
             certified=measured.certificate.passed,
         )
-        snapshot = None
+        snapshot, findings = None, []
         if is_level and is_contact:
+            view = View(assembly, accepted.minimum.state, self.motion, measured.reaction)
+            findings = list(compare(self._expected, record, view, self.levels[-1]))
             gap, pressure = wall_fields(self.walls, facing, assembly, accepted.minimum.state)
             snapshot = take_snapshot(
                 assembly,
@@ -307,6 +233,6 @@ class Simulation:
                 contact_pressure=pressure,
                 free_bodies=frozenset(measured.free_bodies),
             )
-        return Step(record, rows, measured, displacement, snapshot)
+        return Step(record, rows, measured, displacement, snapshot, findings)
 
 

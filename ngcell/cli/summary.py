@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,11 +11,36 @@ if TYPE_CHECKING:
 
 
 def summary_lines(recording: Recording, folder: Path) -> Iterator[str]:
-    """Yield what the terminal shows of a finished run: of its summary, the table `certificate`."""
+    """Yield what the terminal shows of a finished run: certificate and expected numbers."""
     yield f"outcome      {recording.outcome}"
-    yield f"certificate  {'passed' if recording.certified else 'NOT PASSED'}"
+    in_balance = recording.certified or _missed_expected_only(recording.summary)
+    yield f"certificate  {'passed' if in_balance else 'NOT PASSED'}"
     yield from table_lines(recording.summary.get("certificate", {}), indent=2)
+    yield from expected_lines(recording.summary.get("expected", ()))
     yield f"results      {folder}"
+
+
+def _missed_expected_only(summary: Mapping[str, Any]) -> bool:
+    """Return whether what a run is not certified for is an expected number, not a check."""
+    missed = any(not finding["passed"] for finding in summary.get("expected", ()))
+    return missed and not summary.get("failed_steps")
+
+
+def expected_lines(findings: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield a table of what was measured beside what was expected; nothing where nothing was."""
+    if not findings:
+        return
+    missed = sum(not finding["passed"] for finding in findings)
+    yield f"expected     {f'{missed} of {len(findings)} NOT MET' if missed else 'met'}"
+    places = [f"{finding['quantity']} {finding['place']}".rstrip() for finding in findings]
+    width = max(map(len, places))
+    yield f"  {'':{width}}  {'load':>8}  {'measured':>12}  {'expected':>12}  {'deviation':>10}  {'tolerance':>10}"
+    for place, finding in zip(places, findings, strict=True):
+        yield (
+            f"  {place:{width}}  {finding['load_factor']:8.4g}  {finding['measured']:12.6g}  "
+            f"{finding['expected']:12.6g}  {finding['deviation']:+10.1e}  {finding['tolerance']:10.1e}"
+            f"{'' if finding['passed'] else '  not met'}"
+        )
 
 
 def table_lines(table: Mapping[str, Any], indent: int = 0) -> Iterator[str]:

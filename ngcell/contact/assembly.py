@@ -57,6 +57,8 @@ class Linearisation:
         Geometric part of closed contacts.
     gap, jacobian, spring : array, csr_array, array
         The springs: gaps, their derivatives by the unknowns, and stiffness.
+    keys : array of int
+        What tells the springs of different states apart.
     """
 
     gradient: Array
@@ -65,6 +67,7 @@ class Linearisation:
     gap: Array
     jacobian: sparse.csr_array
     spring: Array
+    keys: Index
 
 
 class Assembly:
@@ -202,11 +205,18 @@ class Assembly:
         if state.contact is None:
             nothing = np.zeros(0)
             empty = sparse.csr_array((0, self.space.unknowns))
-            return Linearisation(gradient, stiffness, None, nothing, empty, nothing)
+            return Linearisation(gradient, stiffness, None, nothing, empty, nothing, nothing.astype(np.int64))
         positions = self.positions(full)
         gap, jacobian, spring = state.contact.springs(positions)
         curvature = state.contact.curvature(positions)
-        return Linearisation(gradient, stiffness, curvature, gap, jacobian, spring)
+        return Linearisation(gradient, stiffness, curvature, gap, jacobian, spring, state.contact.keys)
+
+    def gaps(self, state: State) -> tuple[Index, Array]:
+        """Return the keys of the springs of a state, increasing, and their gaps."""
+        if state.contact is None:
+            return np.zeros(0, dtype=np.int64), np.zeros(0)
+        order = np.argsort(state.contact.keys, kind="stable")
+        return state.contact.keys[order], state.contact.gaps(self.positions(state.displacement))[order]
 
     @cached_property
     def pattern(self) -> tuple[Index, Index]:
@@ -248,6 +258,11 @@ class Assembly:
         if self.contact is None or state.contact is None:
             return 0.0, 0.0
         return self.contact.improve(state.contact, self.positions(state.displacement))
+
+    def hasten(self) -> None:
+        """Let contact learn faster."""
+        if self.contact is not None:
+            self.contact.hasten()
 
     def _lower_stiffness(self, displacement: Array) -> Array:
         _ = self.pattern

@@ -15,8 +15,9 @@ Array = NDArray[np.float64]
 
 #: Stiffness of the springs in layers of elements: of the penalty that is meant, of the one with which release paths are
 #: walked (as stiff as the layer behind the wall, it costs a third of the iterations), and of the mortar method, whose
-#: result does not know it. In between it rises by steps of `LADDER`.
-PENALTY_MULTIPLE, PATH_MULTIPLE, MORTAR_MULTIPLE, LADDER = 10.0, 1.0, 100.0, 10.0
+#: result does not know it: softer springs need more updates of the pressures, stiffer ones more steps to each. In
+#: between penalties rise by steps of `LADDER`.
+PENALTY_MULTIPLE, PATH_MULTIPLE, MORTAR_MULTIPLE, LADDER = 10.0, 1.0, 3.0, 10.0
 
 
 def contact_ladder(

@@ -30,6 +30,13 @@ class ContactSet(Protocol):
     def kinematics(self) -> GapKinematics:
         """The partners and their gaps."""
 
+    @property
+    def keys(self) -> Index:
+        """What tells the springs of different states apart."""
+
+    def gaps(self, positions: Array) -> Array:
+        """Return the gaps of the springs [length]."""
+
     def energy(self, positions: Array) -> float:
         """Return the energy that the solver adds to the stored one."""
 
@@ -82,3 +89,6 @@ class ContactMethod(Protocol):
         That is the largest gap [length], and the energy [stress * length**2] of the springs that stand for the missed
         gaps; both are 0 where there is nothing to learn.
         """
+
+    def hasten(self) -> None:
+        """Learn faster from now on, until the next `follow`."""

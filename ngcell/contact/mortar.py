@@ -7,8 +7,8 @@ For each function psi of the multiplier space on one wall of a pair, with integr
 One body of each pair carries the multiplier: the softer, then the finer one. Integrals are taken segment by segment.
 
 A weighted gap does not see a corner, or two walls bent towards each other, sink in between its points: there the
-pressure is a point force, which no polynomial holds. So the vertices of both walls and the middles of their edges are
-watched, too. Each has a multiplier of its own that acts once the point is deeper than `ALLOWED` of its edge. The
+pressure is a point force, which no polynomial holds. So the vertices of both walls and the quarters of their edges
+are watched, too. Each has a multiplier of its own that acts once the point is deeper than `ALLOWED` of its edge. The
 allowance falls with the mesh; it keeps watched points out of flat contact, where they would take pressure from walls.
 
 Conditions are met by the method of multipliers, a proximal form of the semismooth Newton (primal-dual active set)
@@ -44,6 +44,8 @@ Index = NDArray[np.int64]
 
 #: How deep a watched point may sink in, as a share of its edge.
 ALLOWED = 2.5e-4
+#: By how much springs are stiffened where updates are slow, and at most in all.
+HASTE, MOST_HASTE = 10.0, 1e4
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +80,15 @@ class MortarSet:
     pressure: Array
     stiffness: Array
     weight: Array
+
+    @property
+    def keys(self) -> Index:
+        """What tells the springs of different states apart: the multipliers."""
+        return self.rows
+
+    def gaps(self, positions: Array) -> Array:
+        """Return the gaps of the springs [length], shape (m,)."""
+        return self.weighted_gaps(positions) - self.pressure / self.stiffness
 
     def weighted_gaps(self, positions: Array) -> Array:
         """Return the gaps that may not be negative [length], shape (m,)."""
@@ -149,7 +160,7 @@ class MortarContact:
         by_row = np.zeros(self.space.size)
         by_row[self.space.row] = stiffness[:, None]
         self._stiffness = self._all_rows(by_row, stiffness[edge])
-        self.multipliers = np.zeros(len(self._weight))
+        self.multipliers, self._pace = np.zeros(len(self._weight)), 1.0
 
     def _all_rows(self, by_function: Array, by_point: Array) -> Array:
         """Return values of all multipliers: functions first, then each watched point with each body."""
@@ -158,8 +169,12 @@ class MortarContact:
     def follow(self, other: ContactMethod, positions: Array) -> None:
         """Start from the pressures of another method at an equilibrium of its own; watched points start from none."""
         along, _ = self._along_walls(self.walls.nodes(positions))
-        pressure = other.pressures(positions, WallPoints(along.edge, along.here, along.weight))
+        by_edge = np.argsort(along.edge, kind="stable")
+        pressure = np.zeros(len(along))
+        points = WallPoints(along.edge[by_edge], along.here[by_edge], along.weight[by_edge])
+        pressure[by_edge] = other.pressures(positions, points)
         rows = np.arange(self.space.size)
+        self._pace = 1.0
         self.multipliers = self._all_rows(self._shares(along, rows) @ pressure, np.zeros(self._watched_count))
 
     def pair(self, positions: Array) -> MortarSet:
@@ -177,7 +192,7 @@ class MortarContact:
             average=average,
             allowance=self._allowance[rows],
             pressure=self.multipliers[rows],
-            stiffness=self._stiffness[rows],
+            stiffness=self._pace * self._stiffness[rows],
             weight=self._weight[rows],
         )
 
@@ -235,9 +250,14 @@ class MortarContact:
         the energy of that change in the springs [stress * length**2]."""
         assert isinstance(contact, MortarSet)
         pushed = self._pushed(contact, positions)
-        missed = np.abs(pushed - self.multipliers) / self._stiffness
+        stiffness = self._pace * self._stiffness
+        missed = np.abs(pushed - self.multipliers) / stiffness
         self.multipliers = pushed
-        return float(missed.max(initial=0.0)), float((self._stiffness * self._weight * missed**2).sum()) / 2
+        return float(missed.max(initial=0.0)), float((stiffness * self._weight * missed**2).sum()) / 2
+
+    def hasten(self) -> None:
+        """Stiffen the springs: where walls are confined, the walls' own stiffness is more than they were made for."""
+        self._pace = min(HASTE * self._pace, MOST_HASTE)
 
     def _pushed(self, contact: MortarSet, positions: Array) -> Array:
         pushed = np.zeros_like(self.multipliers)

@@ -4,7 +4,8 @@ On each edge the pressure is a polynomial of degree ``max(1, order - 1)`` in Ber
 edge and broken at sharp corners, where a wall ends. It is a subspace of the traces of displacements of that order,
 hence stable beside them for any mesh of the other body; its degree keeps the order of the displacement; and Bernstein
 polynomials are positive and add up to one, so ``coefficients >= 0`` makes the pressure itself >= 0, and a uniform
-pressure is one of them.
+pressure is one of them. At a sharp corner the last two functions are one: where other walls or a support hold the
+corner, a trace has one free value less there, and a multiplier of its own for that end would be determined by nothing.
 """
 
 from __future__ import annotations
@@ -63,28 +64,30 @@ class MultiplierSpace:
 
 
 def _numbered(walls: Walls, degree: int) -> Index:
-    """Number the functions: those at vertices are shared by the two edges of a smooth joint."""
+    """Number the functions: at a vertex one is shared by the edges of a smooth joint, or joins the next at a corner."""
     edges = walls.edge_count
     own = np.arange(edges * (degree + 1)).reshape(edges, degree + 1)
     smooth = np.abs(walls.turning) < SHARP
     first, last = own[:, 0][smooth[:, 0]], own[:, -1][smooth[:, 1]]
     vertex = np.concatenate([walls.ends[smooth[:, 0], 0], walls.ends[smooth[:, 1], 1]])
     function = np.concatenate([first, last])
-    graph = sparse.coo_array(
-        (np.ones(len(function)), (function, own.size + vertex)),
-        shape=(own.size + walls.ends.max() + 1,) * 2,
-    )
+    sharp = np.abs(walls.turning) >= SHARP
+    at_corner = np.concatenate([own[:, 0][sharp[:, 0]], own[:, -1][sharp[:, 1]]])
+    beside = np.concatenate([own[:, 1][sharp[:, 0]], own[:, -2][sharp[:, 1]]])
+    links = np.concatenate([function, at_corner]), np.concatenate([own.size + vertex, beside])
+    graph = sparse.coo_array((np.ones(len(links[0])), links), shape=(own.size + walls.ends.max() + 1,) * 2)
     _, component = connected_components(graph, directed=False)
     _, number = np.unique(component[: own.size], return_inverse=True)
     return np.asarray(number.reshape(edges, degree + 1), dtype=np.int64)
 
 
 def watched_points(walls: Walls) -> tuple[Index, Array]:
-    """Return the vertices, each once, and the middles of all edges, as edges and coordinates on them."""
+    """Return the vertices, each once, and the quarters of all edges, as edges and coordinates on them."""
     _, first = np.unique(walls.ends.ravel(), return_index=True)
     edge, end = np.divmod(first, 2)
-    middles = np.arange(walls.edge_count)
-    edge, xi = np.concatenate([edge, middles]), np.concatenate([end, np.full(len(middles), 0.5)])
+    quarters = np.array([0.25, 0.5, 0.75])
+    edge = np.concatenate([edge, np.repeat(np.arange(walls.edge_count), len(quarters))])
+    xi = np.concatenate([end, np.tile(quarters, walls.edge_count)])
     order = np.lexsort((xi, edge))
     return edge[order], xi[order]
 

@@ -34,10 +34,26 @@ class PenaltySet:
         The partners and their gaps.
     stiffness : array of float, shape (partners,)
         Penalty stiffness times quadrature weight [stress]: a force per overlap.
+    other_body : array of int, shape (partners,)
+        The other body of each partner.
+    body_count : int
+        Number of bodies.
     """
 
     kinematics: GapKinematics
     stiffness: Array
+    other_body: Index
+    body_count: int
+
+    @property
+    def keys(self) -> Index:
+        """What tells the springs of different states apart: the point and the other body."""
+        partners = self.kinematics.partners
+        return partners.point * self.body_count + self.other_body
+
+    def gaps(self, positions: Array) -> Array:
+        """Return the gaps of the springs [length], shape (partners,)."""
+        return self.kinematics.gaps(positions)
 
     def energy(self, positions: Array) -> float:
         """Return the penalty energy at `positions`, unknowns of shape (2, scalar unknowns)."""
@@ -85,7 +101,9 @@ class PenaltyContact:
         """Find all partners at `positions`, unknowns of shape (2, scalar unknowns)."""
         partners = self._search.partners(self.walls.nodes(positions))
         kinematics = gap_kinematics(self.walls, partners, positions)
-        return PenaltySet(kinematics, 0.5 * self._pairwise(partners) * partners.weight)
+        body = self.walls.body
+        stiffness = 0.5 * self._pairwise(partners) * partners.weight
+        return PenaltySet(kinematics, stiffness, body[partners.other], int(body.max()) + 1)
 
     def couplings(self, positions: Array, margin: float) -> tuple[Index, Index]:
         """Return rows and columns of all scalar unknowns that contact could couple while nothing moves by more
@@ -107,6 +125,9 @@ class PenaltyContact:
     def improve(self, contact: ContactSet, positions: Array) -> tuple[float, float]:
         """Return zeros: a penalty learns nothing."""
         return 0.0, 0.0
+
+    def hasten(self) -> None:
+        """Do nothing: a penalty learns nothing."""
 
     def _pairwise(self, partners: Partners) -> Array:
         return np.minimum(self.stiffness[partners.edge], self.stiffness[partners.other])

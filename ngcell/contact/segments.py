@@ -48,16 +48,15 @@ def find_segments(walls: Walls, nodes: Array, edge: Index, other: Index) -> Segm
     normal = walls.chord_normals(nodes)
     facing = np.einsum("ed,ed->e", normal[edge], normal[other]) < FACING
     edge, other = edge[facing], other[facing]
-    slope = walls.basis.values(np.array([0.0, 1.0]), 1)
-    at = np.column_stack([_projected(walls, nodes, edge, other, end, slope[end]) for end in (0, 1)])
+    at = np.column_stack([_projected(walls, nodes, edge, other, end) for end in (0, 1)])
     kept = np.ptp(at, axis=1) > _SLIVER
     return Segments(edge[kept], other[kept], at[kept])
 
 
-def _projected(walls: Walls, nodes: Array, edge: Index, other: Index, end: int, slope: Array) -> Array:
+def _projected(walls: Walls, nodes: Array, edge: Index, other: Index, end: int) -> Array:
     """Return where on `edge` the normal through an end of `other` meets it, in [0, 1]."""
     vertex = nodes[other, -end]
-    tangent = np.einsum("i,eid->ed", slope, nodes[other])
+    tangent = np.einsum("i,eid->ed", walls.basis.values(np.array(float(end)), 1), nodes[other])
     start = nodes[edge, 0]
     chord = np.einsum("ed,ed->e", nodes[edge, -1] - start, tangent)
     xi = np.clip(np.einsum("ed,ed->e", vertex - start, tangent) / chord, 0, 1)

@@ -13,6 +13,9 @@ import ngsolve
 import numpy as np
 from numpy.typing import NDArray
 
+#: Material region of what fills lumens.
+FILLING = "filling"
+
 
 @dataclass(frozen=True, eq=False)
 class BodyMesh:
@@ -32,6 +35,10 @@ class BodyMesh:
         The length that sets the scale of a body [length]: a cell's side.
     thickness : float
         The smallest thickness of a body [length]: a cell's wall. Overlaps are judged against it.
+    is_filling : array of bool, shape (elements,), optional
+        Which elements fill a lumen, bonded to their wall; they form the material region `FILLING`. By default none do.
+    extent : array of float, shape (2, dimension)
+        Smallest and largest coordinates [length].
     """
 
     mesh: ngsolve.Mesh
@@ -40,6 +47,7 @@ class BodyMesh:
     wall_names: str
     length: float
     thickness: float
+    is_filling: NDArray[np.bool_] | None = None
     extent: NDArray[np.float64] = field(init=False)
 
     def __post_init__(self) -> None:

@@ -14,7 +14,8 @@ import numpy as np
 from netgen.meshing import Mesh
 from numpy.typing import NDArray
 
-from ngcell.geometry.bodies import BodyMesh
+from ngcell.geometry.bodies import FILLING, BodyMesh
+from ngcell.geometry.filling import lumen_quads
 from ngcell.geometry.lattice import WALLS, Lattice
 
 ARC_EDGES = 2
@@ -68,6 +69,8 @@ def ring_mesh(
     edges: int,
     layers: int,
     supports: dict[str, NDArray[np.bool_]],
+    lumens: dict[str, NDArray[np.int64]] | None = None,
+    filled: bool = False,
 ) -> BodyMesh:
     """Return the mesh of all cells.
 
@@ -81,23 +84,37 @@ def ring_mesh(
         Elements along the straight part of a wall and through it.
     supports : dict of str to array of bool, shape (cells, 6)
         Walls that belong to each support; the names become boundary regions. The other outer walls form the
-        region ``wall``, the inner ones ``lumen``.
+        region ``wall``.
+    lumens : dict of str to array of int, optional
+        Cells whose inner walls belong to each region; by default one region ``lumen`` of all cells.
+    filled : bool
+        Whether lumens are filled with elements, bonded to the wall.
     """
     ring = ring_layers(lattice, wall=wall, radius=radius, edges=edges, layers=layers)
     cells, nodes = len(lattice.centres), ring.shape[1]
-    points = (lattice.centres[:, None, None] + ring).reshape(-1, 2)
-    first_node = ring.shape[0] * nodes * np.arange(cells)
     layer = np.arange((layers + 1) * nodes).reshape(layers + 1, nodes)
-    quads = _ring_quads(layer)
+    quads, cell_points = _ring_quads(layer), ring.reshape(-1, 2)
+    filling = np.zeros((0, 4), dtype=np.int64)
+    if filled:
+        inside, filling = lumen_quads(ring[-1])
+        filling = filling + layer[-1, 0]
+        cell_points = np.concatenate([cell_points, inside])
+    points = (lattice.centres[:, None] + cell_points).reshape(-1, 2)
+    first_node = len(cell_points) * np.arange(cells)
     mesh = Mesh()
     mesh.dim = 2
     mesh.AddPoints(np.ascontiguousarray(points))
     for cell, first in enumerate(first_node):
         region = mesh.AddRegion(f"cell{cell}", dim=2)
         mesh.AddElements(dim=2, index=region, data=_int32(quads + first), base=0)
+    if filled:
+        region = mesh.AddRegion(FILLING, dim=2)
+        everywhere = (filling + first_node[:, None, None]).reshape(-1, 4)
+        mesh.AddElements(dim=2, index=region, data=_int32(everywhere), base=0)
     outer = np.stack([layer[0], np.roll(layer[0], -1)], axis=-1).reshape(WALLS, -1, 2)
     inner = np.stack([np.roll(layer[-1], -1), layer[-1]], axis=-1)
-    _add_edges(mesh, "lumen", first_node[:, None, None] + inner)
+    for name, member in ({} if filled else lumens or {"lumen": np.arange(cells)}).items():
+        _add_edges(mesh, name, first_node[member, None, None] + inner)
     unsupported = np.ones((cells, WALLS), dtype=bool)
     for name, member in supports.items():
         unsupported &= ~member
@@ -105,11 +122,12 @@ def ring_mesh(
     _add_walls(mesh, "wall", unsupported, outer, first_node)
     return BodyMesh(
         mesh=ngsolve.Mesh(mesh),
-        body_of_element=np.repeat(np.arange(cells), len(quads)),
+        body_of_element=np.concatenate([np.repeat(np.arange(cells), len(part)) for part in (quads, filling)]),
         body_names=tuple(f"cell{cell}" for cell in range(cells)),
         wall_names="|".join(["wall", *supports]),
         length=lattice.side,
         thickness=wall,
+        is_filling=np.repeat([False, True], [cells * len(quads), cells * len(filling)]) if filled else None,
     )
 
 

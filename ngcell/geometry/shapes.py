@@ -15,7 +15,7 @@ of the face's edges.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any
@@ -31,6 +31,7 @@ from scipy.sparse.csgraph import connected_components
 from ngcell.errors import GeometryError
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.scene.bodies import PLAIN_NAME, check_unique_names
+from ngcell.scene.mesh import Refinement
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -65,7 +66,13 @@ class _Loop:
 
 
 def mesh_shapes(
-    shapes: Sequence[Any], names: Sequence[str], *, order: int, size: float | None = None
+    shapes: Sequence[Any],
+    names: Sequence[str],
+    *,
+    order: int,
+    size: float | None = None,
+    untouched: Collection[str] = (),
+    refinements: Sequence[Refinement] = (),
 ) -> BodyMesh:
     """Return the mesh of the bodies that the faces outline.
 
@@ -80,6 +87,10 @@ def mesh_shapes(
     size : float, optional
         Largest length of an element's edge [length]; by default half of the smallest thickness. Where the
         shapes carry a smaller ``maxh``, that counts.
+    untouched : collection of str
+        Boundaries that are no walls, wherever they lie.
+    refinements : sequence of Refinement
+        Where elements are smaller.
 
     Returns
     -------
@@ -95,9 +106,9 @@ def mesh_shapes(
     check_unique_names(names)
     faces = [_face(shape, name) for shape, name in zip(shapes, names, strict=True)]
     thickness = min(2 * abs(face.mass) / sum(edge.mass for edge in face.edges) for face in faces)
-    mesh = _netgen_mesh(faces, names, _SIZE * thickness if size is None else size)
+    mesh = _netgen_mesh(faces, names, _meshing(_SIZE * thickness if size is None else size, refinements))
     loops = _loops(mesh)
-    walls = _name_boundaries(mesh, loops, names)
+    walls = _name_boundaries(mesh, loops, names) - set(untouched)
     body = np.asarray(mesh.Elements2D().NumPy()["index"], dtype=np.int64) - 1
     for number, name in enumerate(names):
         mesh.SetMaterial(number + 1, name)
@@ -146,9 +157,22 @@ def _face(shape: Any, name: str) -> occ.Face:
     return face
 
 
-def _netgen_mesh(faces: Sequence[occ.Face], names: Sequence[str], size: float) -> netgen.meshing.Mesh:
+def _meshing(size: float, refinements: Sequence[Refinement]) -> netgen.meshing.MeshingParameters:
+    """Return the sizes of elements; Netgen restricts them at points, so a circle is covered with points."""
+    meshing = netgen.meshing.MeshingParameters(maxh=size)
+    for circle in refinements:
+        steps = np.arange(-circle.within, circle.within + circle.size, circle.size)
+        offsets = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
+        for x, y in offsets[np.linalg.norm(offsets, axis=1) <= circle.within] + circle.at:
+            meshing.RestrictH(float(x), float(y), 0.0, circle.size)
+    return meshing
+
+
+def _netgen_mesh(
+    faces: Sequence[occ.Face], names: Sequence[str], meshing: netgen.meshing.MeshingParameters
+) -> netgen.meshing.Mesh:
     try:
-        mesh = occ.OCCGeometry(occ.Compound(list(faces)), dim=2).GenerateMesh(maxh=size)
+        mesh = occ.OCCGeometry(occ.Compound(list(faces)), dim=2).GenerateMesh(mp=meshing)
     except Exception as error:  # noqa: BLE001 - Netgen raises its own and standard exceptions alike
         raise GeometryError(f"bodies {', '.join(names)}: Netgen cannot mesh them ({error})") from error
     if not _are_apart(mesh, len(faces)):

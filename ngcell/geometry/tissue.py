@@ -19,8 +19,16 @@ LOWER_PLATE, UPPER_PLATE, FRAME = "lower-plate", "upper-plate", "frame"
 _SLENDERNESS, _FEWEST_EDGES = 5.0, 2
 
 
-def tissue_mesh(tissue: Tissue, load: Plates | Frame, choice: MeshChoice) -> BodyMesh:
-    """Return the mesh of a tissue, one body a cell, with the regions that the load needs."""
+def tissue_mesh(
+    tissue: Tissue,
+    load: Plates | Frame,
+    choice: MeshChoice,
+    lumens: dict[str, NDArray[np.int64]] | None = None,
+    *,
+    filled: bool = False,
+) -> BodyMesh:
+    """Return the mesh of a tissue, one body a cell, with the regions that the load needs, and those of `lumens`:
+    the cells whose inner walls belong to each; `filled` lumens hold elements."""
     lattice = hexagonal_lattice(
         tissue.rows, tissue.cols, side=tissue.side, pointy=tissue.orientation == "pointy"
     )
@@ -32,6 +40,8 @@ def tissue_mesh(tissue: Tissue, load: Plates | Frame, choice: MeshChoice) -> Bod
         edges=edges,
         layers=layers,
         supports=supported_walls(lattice, load),
+        lumens=lumens,
+        filled=filled,
     )
 
 

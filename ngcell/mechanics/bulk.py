@@ -1,13 +1,19 @@
-"""The energy of all bodies: one symbolic NGSolve energy a material, and the potential of loads, if there are any."""
+"""The energy of all bodies: one symbolic NGSolve energy a material, and the potential of loads, if there are any.
+
+What fills lumens is nearly incompressible, and would lock: its volumetric energy is taken by a rule of as many points
+in each direction as its order, fewer than the full one. For quadrilaterals that is the mixed method with a
+discontinuous pressure one order lower, without the unknowns of that pressure and with an energy that is minimised.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import ngsolve
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.geometry.bodies import FILLING
 from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
 from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
@@ -26,12 +32,20 @@ class BulkEnergy:
         Law of each body, by number.
     loads : BoundaryLoads, optional
         Loads on boundaries, taken at the load factor that was last applied to them. By default there are none.
+    filling : MooneyRivlinLaw, optional
+        Law of what fills the lumens; needed where there is something.
     """
 
     def __init__(
-        self, space: DisplacementSpace, laws: Sequence[MooneyRivlinLaw], loads: BoundaryLoads | None = None
+        self,
+        space: DisplacementSpace,
+        laws: Sequence[MooneyRivlinLaw],
+        loads: BoundaryLoads | None = None,
+        filling: MooneyRivlinLaw | None = None,
     ) -> None:
+        self._space = space
         self.laws = tuple(laws)
+        self.filling = filling
         self.loads = loads
         trial = space.vector.TrialFunction()
         gradient = ngsolve.Id(space.dimension) + ngsolve.Grad(trial)
@@ -43,10 +57,27 @@ class BulkEnergy:
             region = space.bodies.mesh.Materials(names)
             energy = law.stored_energy(gradient).Compile()
             self._form += ngsolve.Variation(energy * ngsolve.dx(definedon=region))
+        if filling is not None:
+            region = space.bodies.mesh.Materials(FILLING)
+            rule = ngsolve.IntegrationRule(ngsolve.ET.QUAD, 2 * space.order - 1)
+            reduced = ngsolve.dx(definedon=region, intrules={ngsolve.ET.QUAD: rule})
+            isochoric, volumetric = (part.Compile() for part in filling.energy_parts(gradient))
+            self._form += ngsolve.Variation(isochoric * ngsolve.dx(definedon=region))
+            self._form += ngsolve.Variation(volumetric * reduced)
         for term in loads.terms(trial) if loads is not None else ():
             self._form += ngsolve.Variation(term)
         self._state = ngsolve.GridFunction(space.vector).vec
         self._force = self._state.CreateVector()
+
+    def materials(self) -> Iterator[tuple[MooneyRivlinLaw, NDArray[np.bool_]]]:
+        """Yield each law and the elements that follow it, shape (elements,)."""
+        bodies = self._space.bodies
+        in_wall = np.ones(len(bodies.body_of_element), dtype=bool)
+        if self.filling is not None and bodies.is_filling is not None:
+            in_wall = ~bodies.is_filling
+            yield self.filling, bodies.is_filling
+        for law in dict.fromkeys(self.laws):
+            yield law, in_wall & np.array([mine == law for mine in self.laws])[bodies.body_of_element]
 
     def energy(self, displacement: Array) -> float:
         """Return what is minimised: the stored energy and the loads' potential; NaN where an element is inverted."""

@@ -51,6 +51,13 @@ class MooneyRivlinLaw:
 
     def stored_energy(self, gradient: ngsolve.CoefficientFunction) -> ngsolve.CoefficientFunction:
         """Return W [stress] of a deformation gradient, shape (2, 2) for plane strain."""
+        isochoric, volumetric = self.energy_parts(gradient)
+        return isochoric + volumetric
+
+    def energy_parts(
+        self, gradient: ngsolve.CoefficientFunction
+    ) -> tuple[ngsolve.CoefficientFunction, ngsolve.CoefficientFunction]:
+        """Return the parts of W [stress] that do not know the volume, and that know nothing else."""
         xx, xy, yx, yy = (gradient[i, j] for i in range(2) for j in range(2))
         square = xx * xx + xy * xy + yx * yx + yy * yy
         jacobian = xx * yy - xy * yx
@@ -59,7 +66,7 @@ class MooneyRivlinLaw:
         first = scale * (square + 1)
         second = scale * scale * (square + jacobian * jacobian)
         volumetric = self.bulk_modulus / 2 * log_jacobian * log_jacobian
-        return self.c1 / 2 * (first - 3) + self.c2 / 2 * (second - 3) + volumetric
+        return self.c1 / 2 * (first - 3) + self.c2 / 2 * (second - 3), volumetric
 
     def cauchy_stress(self, gradient: Array) -> Array:
         """Return the Cauchy stress [stress], shape (n, 3, 3), of deformation gradients of shape (n, 3, 3).

@@ -54,6 +54,8 @@ class BoundaryLoads:
         The loads; those on the same boundary add up.
     motion : PrescribedMotion
         The supports, which hold the ends of lines under pressure.
+    in_full : bool
+        Whether loads act in full at every load factor above 0, instead of growing with it.
 
     Attributes
     ----------
@@ -66,8 +68,11 @@ class BoundaryLoads:
         If a line under pressure has an end that no support holds, or that slides along a support that moves.
     """
 
-    def __init__(self, space: DisplacementSpace, loads: Sequence[Load], motion: PrescribedMotion) -> None:
+    def __init__(
+        self, space: DisplacementSpace, loads: Sequence[Load], motion: PrescribedMotion, *, in_full: bool = False
+    ) -> None:
         self._space = space
+        self._in_full = in_full
         self._loads = tuple(loads)
         self.factor = ngsolve.Parameter(0.0)
         edges = _directed_edges(space.bodies.mesh)
@@ -77,7 +82,11 @@ class BoundaryLoads:
 
     def apply(self, load_factor: float) -> None:
         """Set the load factor of all energies that were made with `terms`."""
-        self.factor.Set(load_factor)
+        self.factor.Set(self.share(load_factor))
+
+    def share(self, load_factor: float) -> float:
+        """Return the share of the loads that acts at a load factor."""
+        return float(load_factor > 0) if self._in_full else load_factor
 
     def terms(self, displacement: ngsolve.CoefficientFunction) -> list[ngsolve.comp.SumOfIntegrals]:
         """Return the potential at `factor`, whatever it will be, as integrals over boundaries."""
@@ -121,9 +130,10 @@ class BoundaryLoads:
     def _at(self, load_factor: float | None) -> Iterator[None]:
         """Take another load factor for a while."""
         applied = self.factor.Get()
-        self.apply(applied if load_factor is None else load_factor)
+        if load_factor is not None:
+            self.apply(load_factor)
         yield
-        self.apply(applied)
+        self.factor.Set(applied)
 
     @cached_property
     def _form(self) -> ngsolve.BilinearForm:

@@ -128,7 +128,7 @@ def _bulk_grid(assembly: Assembly, displacement: Array, free_bodies: Collection[
     places = _map(space, kind, pattern.points)
     body = space.bodies.body_of_element[places["nr"]]
     gradient = _deformation_gradient(space, displacement, places)
-    stress = _cauchy_stress(assembly, gradient, body)
+    stress = _cauchy_stress(assembly, gradient, places["nr"])
     cells = _repeat_cells(pattern, len(places))
     cell_id = body[cells[:, 0]]
     return Grid(
@@ -186,11 +186,10 @@ def _deformation_gradient(space: DisplacementSpace, displacement: Array, places:
     return gradient
 
 
-def _cauchy_stress(assembly: Assembly, gradient: Array, body: Index) -> Array:
+def _cauchy_stress(assembly: Assembly, gradient: Array, element: Index) -> Array:
     stress = np.empty_like(gradient)
-    laws = assembly.bulk.laws
-    for law in dict.fromkeys(laws):
-        mine = np.array([other == law for other in laws])[body]
+    for law, members in assembly.bulk.materials():
+        mine = members[element]
         with np.errstate(divide="ignore", invalid="ignore"):
             stress[mine] = law.cauchy_stress(gradient[mine])
     return stress

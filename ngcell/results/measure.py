@@ -67,6 +67,8 @@ class Measurement:
         Work of all supports per unit of load factor [stress * length**2].
     load_potential : float
         Potential of the loads as they are at load factor 1 [stress * length**2]; falls as they do work.
+    load_share : float
+        Share of these loads that acts.
     unstored_work : float
         Work of supports and loads since the step before that is not stored, beyond what quadrature explains: not
         zero where this step's walls have taken another branch of equilibria [stress * length**2].
@@ -74,6 +76,8 @@ class Measurement:
         Bodies held by nothing.
     certificate : Certificate
         The verdict.
+    reaction : array of float, shape (unknowns,)
+        Nodal forces of the supports on the bodies [stress * length].
     """
 
     load_factor: float
@@ -83,9 +87,11 @@ class Measurement:
     plate_force: Array
     support_work_rate: float
     load_potential: float
+    load_share: float
     unstored_work: float
     free_bodies: tuple[int, ...]
     certificate: Certificate
+    reaction: Array
 
     def opened_share(self, facing: FacingWalls, thickness: float) -> float:
         """Return the share of the facing wall length that is open, in [0, 1]."""
@@ -134,11 +140,23 @@ def measure(
     plate_force = scene.motion.resultant(reaction, scene.moved)
     free = _held_by_nothing(assembly, scene, forces, tether_force) if assembly.contact is not None else ()
     load_potential = 0.0 if loads is None else loads.potential(displacement, 1.0)
-    surplus = _surplus_of_work(before, load_factor, state.energy, work_rate, load_potential)
+    load_share = 0.0 if loads is None else loads.share(load_factor)
+    surplus = _surplus_of_work(before, load_factor, load_share, state.energy, work_rate, load_potential)
     nodal = NodalForces(internal, reaction, pushed, tether_force)
     certificate = certify(assembly, state, nodal, forces, surplus)
     return Measurement(
-        load_factor, state.energy, gap, forces, plate_force, work_rate, load_potential, surplus, free, certificate
+        load_factor,
+        state.energy,
+        gap,
+        forces,
+        plate_force,
+        work_rate,
+        load_potential,
+        load_share,
+        surplus,
+        free,
+        certificate,
+        reaction,
     )
 
 
@@ -179,7 +197,12 @@ def parted_pairs(scene: Scene, measured: Measurement, thickness: float) -> NDArr
 
 
 def _surplus_of_work(
-    before: Measurement | None, load_factor: float, energy: float, work_rate: float, load_potential: float
+    before: Measurement | None,
+    load_factor: float,
+    load_share: float,
+    energy: float,
+    work_rate: float,
+    load_potential: float,
 ) -> float:
     """Return the work of supports and loads minus the change of energy, as far as quadrature does not explain it.
 
@@ -187,15 +210,15 @@ def _surplus_of_work(
     change times the step. A surplus is energy that was released when walls snapped to another equilibrium; a deficit is
     energy from nowhere, and never right.
     """
-    load, old_energy, old_rate, old_potential = (
-        (before.load_factor, before.energy, before.support_work_rate, before.load_potential)
+    load, share, old_energy, old_rate, old_potential = (
+        (before.load_factor, before.load_share, before.energy, before.support_work_rate, before.load_potential)
         if before
-        else (0.0, 0.0, 0.0, 0.0)
+        else (0.0, 0.0, 0.0, 0.0, 0.0)
     )
     step, fall = load_factor - load, old_potential - load_potential
-    work = step * (work_rate + old_rate) / 2 + (load_factor + load) / 2 * fall
+    work = step * (work_rate + old_rate) / 2 + (load_share + share) / 2 * fall
     mismatch = work - (energy - old_energy)
-    allowed = step * (abs(work_rate - old_rate) + abs(fall)) / 2
+    allowed = (step * abs(work_rate - old_rate) + abs(load_share - share) * abs(fall)) / 2
     return float(np.sign(mismatch) * max(abs(mismatch) - allowed, 0.0))
 
 

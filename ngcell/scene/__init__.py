@@ -4,25 +4,38 @@ from __future__ import annotations
 
 from ngcell.scene.bodies import Body, BodyScene, BodySupport, Pressure, Traction
 from ngcell.scene.case import Case
+from ngcell.scene.case_of_bodies import BodyCase
 from ngcell.scene.catalogue import case_name, find_case, shipped_cases
 from ngcell.scene.contact import Contact, Mortar, Penalty
-from ngcell.scene.expected import Expected
+from ngcell.scene.drawn import Block, Disc, DrawnBody, Ring
+from ngcell.scene.expected import BodyExpected, Expected
+from ngcell.scene.kinds import AnyCase
 from ngcell.scene.load import Frame, Load, Plates
+from ngcell.scene.lumen import CellPressure, Inclusion
 from ngcell.scene.material import Material, MooneyRivlin
-from ngcell.scene.mesh import MeshChoice
+from ngcell.scene.mesh import BodyMeshChoice, MeshChoice, Refinement
 from ngcell.scene.reader import read_case, resolved_toml
 from ngcell.scene.strategy import Sddp, SingleStep, Strategy
 from ngcell.scene.tissue import Tissue
 from ngcell.scene.vocabulary import schema
 
 __all__ = [
+    "AnyCase",
+    "Block",
     "Body",
+    "BodyCase",
+    "BodyExpected",
+    "BodyMeshChoice",
     "BodyScene",
     "BodySupport",
     "Case",
+    "CellPressure",
     "Contact",
+    "Disc",
+    "DrawnBody",
     "Expected",
     "Frame",
+    "Inclusion",
     "Load",
     "Material",
     "MeshChoice",
@@ -31,6 +44,8 @@ __all__ = [
     "Penalty",
     "Plates",
     "Pressure",
+    "Refinement",
+    "Ring",
     "Sddp",
     "SingleStep",
     "Strategy",

@@ -16,6 +16,7 @@ from ngcell.errors import CaseError
 from ngcell.scene.contact import Contact, Mortar, Penalty
 from ngcell.scene.load import Levels
 from ngcell.scene.material import Material, MooneyRivlin
+from ngcell.scene.mesh import Refinement
 
 Gradient = tuple[tuple[float, float], tuple[float, float]]
 
@@ -38,14 +39,19 @@ class Body:
         What it is made of.
     name : str
         Letters, digits, ``_`` and ``-``.
+    untouched : tuple of str
+        Names of edges that nothing will touch, such as planes of symmetry: they are no walls.
     """
 
     shape: Any
     material: Material
     name: str
+    untouched: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         _check_name(self.name, "body name")
+        for edge in _sequence(self.untouched, str, f"body {self.name}: untouched"):
+            _check_name(edge, f"body {self.name}: untouched edge")
         if not isinstance(self.material, MooneyRivlin):
             raise CaseError(f"body {self.name}: material is {self.material!r}; allowed: a MooneyRivlin")
 
@@ -157,6 +163,8 @@ class BodyScene:
         What walls do to each other.
     loads : tuple of Pressure or Traction
         What pushes and pulls at boundaries; loads on the same boundary add up.
+    refinements : tuple of Refinement
+        Where elements are smaller.
 
     Raises
     ------
@@ -172,11 +180,13 @@ class BodyScene:
     steps: int | None = None
     contact: Contact = field(default_factory=Penalty)
     loads: tuple[Pressure | Traction, ...] = ()
+    refinements: tuple[Refinement, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "bodies", _sequence(self.bodies, Body, "bodies"))
         object.__setattr__(self, "supports", _sequence(self.supports, BodySupport, "supports"))
         object.__setattr__(self, "loads", _sequence(self.loads, Pressure | Traction, "loads"))
+        object.__setattr__(self, "refinements", _sequence(self.refinements, Refinement, "refinements"))
         if not self.bodies:
             raise CaseError("bodies is empty; allowed: at least one body")
         check_unique_names(body.name for body in self.bodies)

@@ -11,6 +11,7 @@ from pydantic_core import PydanticCustomError
 from ngcell.scene.contact import Contact, Penalty
 from ngcell.scene.expected import Expected
 from ngcell.scene.load import Load
+from ngcell.scene.lumen import CellPressure, Lumen
 from ngcell.scene.material import Material
 from ngcell.scene.mesh import MeshChoice
 from ngcell.scene.section import SECTION
@@ -34,6 +35,8 @@ class Case(BaseModel):
         The cells.
     material : MooneyRivlin
         What their walls are made of.
+    lumen : CellPressure or Inclusion, optional
+        What the cells hold; by default they are empty.
     load : Plates or Frame
         What moves them.
     strategy : Sddp or SingleStep
@@ -52,6 +55,7 @@ class Case(BaseModel):
     source: str = ""
     tissue: Tissue
     material: Material
+    lumen: Lumen | None = None
     load: Load
     strategy: Strategy = Sddp()
     contact: Contact = Penalty()
@@ -67,6 +71,20 @@ class Case(BaseModel):
     def smallest_step_count(self) -> int:
         """Smallest number of load steps: what the strategy asks for, else one for each level."""
         return self.strategy.steps or len(self.load.level_factors)
+
+    @field_validator("lumen")
+    @classmethod
+    def _for_every_cell(cls, lumen: Lumen | None, info: ValidationInfo) -> Lumen | None:
+        tissue = info.data.get("tissue")
+        if tissue is None or not isinstance(lumen, CellPressure) or not isinstance(lumen.pressure, tuple):
+            return lumen
+        if [len(row) for row in lumen.pressure] != [tissue.cols] * tissue.rows:
+            raise PydanticCustomError(
+                "limit",
+                "allowed: one pressure, or {rows} rows of {cols}, as many as there are cells",
+                {"place": ("pressure",), "rows": tissue.rows, "cols": tissue.cols},
+            )
+        return lumen
 
     @field_validator("expected")
     @classmethod

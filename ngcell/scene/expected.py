@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, Field, Strict, model_validator
+from pydantic_core import PydanticCustomError
 
 from ngcell.scene.section import SECTION, PositiveNumber
 
@@ -22,6 +23,23 @@ Quantity = Literal[
     "energy",
 ]
 
+#: What is measured of bodies: on one boundary, and between two; see `ngcell.results.quantities`.
+BodyQuantity = Literal[
+    "mean_radius",
+    "force_x",
+    "force_y",
+    "gap",
+    "normal_force",
+    "contact_pressure",
+    "pressure_spread",
+    "peak_pressure",
+    "contact_width",
+    "nominal_peak_pressure",
+    "nominal_contact_width",
+]
+ROUND = ("mean_radius",)
+SUPPORTED = ("force_x", "force_y")
+
 
 class Expected(BaseModel):
     """One expected number, its tolerance and where it comes from.
@@ -35,7 +53,7 @@ class Expected(BaseModel):
     value : float
         The expected number, in the units of the case.
     tolerance : float
-        Largest relative deviation, > 0.
+        Largest relative deviation, > 0; where 0 is expected, the largest deviation itself.
     origin : str
         Where the number comes from, not empty.
     """
@@ -47,3 +65,68 @@ class Expected(BaseModel):
     value: float
     tolerance: PositiveNumber
     origin: Annotated[str, Field(min_length=1)]
+
+    @property
+    def place(self) -> str:
+        """Where it is measured, in words: nothing for the whole scene."""
+        return ""
+
+
+class BodyExpected(BaseModel):
+    """One expected number of drawn bodies, its tolerance and where it comes from.
+
+    Parameters
+    ----------
+    quantity : str
+        What is measured: on a boundary "mean_radius", "force_x" or "force_y"; between two boundaries "gap",
+        "normal_force", "contact_pressure", "pressure_spread", "peak_pressure", "contact_width" and, for each length at
+        rest, "nominal_peak_pressure", "nominal_contact_width".
+    boundary : str, optional
+        The boundary, for a quantity on one.
+    between : tuple of str, shape (2,), optional
+        The two boundaries, for a quantity between two. What is measured along a wall is measured along the first.
+    level : float, optional
+        Load factor at which it holds, one of the levels, in (0, 1]; by default the last.
+    value : float
+        The expected number, in the units of the case.
+    tolerance : float
+        Largest relative deviation, > 0; where 0 is expected, the largest deviation itself.
+    origin : str
+        Where the number comes from, not empty.
+    """
+
+    model_config = SECTION
+
+    quantity: BodyQuantity
+    boundary: str | None = None
+    between: Annotated[tuple[str, str], Strict(False)] | None = None
+    level: Annotated[float, Field(gt=0, le=1)] | None = None
+    value: float
+    tolerance: PositiveNumber
+    origin: Annotated[str, Field(min_length=1)]
+
+    @property
+    def place(self) -> str:
+        """Where it is measured, in words."""
+        return " and ".join(self.boundaries)
+
+    @property
+    def boundaries(self) -> tuple[str, ...]:
+        """The boundaries that it is measured on."""
+        return self.between or (str(self.boundary),)
+
+    @model_validator(mode="after")
+    def _measured_somewhere(self) -> Self:
+        wanted, other = ("boundary", "between") if self.quantity in (*ROUND, *SUPPORTED) else ("between", "boundary")
+        if getattr(self, wanted) is None or getattr(self, other) is not None:
+            raise PydanticCustomError(
+                "limit",
+                "is measured {where}; allowed: {wanted} and no {other} beside it",
+                {
+                    "where": "on one boundary" if wanted == "boundary" else "between two boundaries",
+                    "wanted": wanted,
+                    "other": other,
+                    "place": ("quantity",),
+                },
+            )
+        return self

@@ -31,8 +31,9 @@ def key_lines(text: str) -> dict[KeyPath, int]:
         if starts_inside:
             continue
         if header := _HEADER.match(line):
-            table = _split(header[2])
+            table = _in_last_entries(_split(header[2]), entries)
             if header[1] == "[[":
+                lines.setdefault(table, number)
                 entries[table] += 1
                 table = (*table, entries[table] - 1)
             lines.setdefault(table, number)
@@ -48,3 +49,14 @@ def line_of(path: KeyPath, lines: dict[KeyPath, int]) -> int | None:
 
 def _split(dotted: str) -> KeyPath:
     return tuple(name.strip("\"'") for name in re.findall(_NAME, dotted))
+
+
+def _in_last_entries(path: KeyPath, entries: Counter[KeyPath]) -> KeyPath:
+    """Return the path of a table whose header leads through lists of tables: it belongs to their last entries."""
+    *holders, last = path
+    found: KeyPath = ()
+    for part in holders:
+        found = (*found, part)
+        if entries[found]:
+            found = (*found, entries[found] - 1)
+    return (*found, last)

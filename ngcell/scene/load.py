@@ -63,7 +63,7 @@ class Plates(BaseModel):
     @property
     def level_factors(self) -> tuple[float, ...]:
         """Load factors of the levels, increasing, in (0, 1]."""
-        return _level_factors(self.levels)
+        return level_factors(self.levels)
 
     @model_validator(mode="after")
     def _one_motion(self) -> Self:
@@ -100,7 +100,7 @@ class Frame(BaseModel):
     @property
     def level_factors(self) -> tuple[float, ...]:
         """Load factors of the levels, increasing, in (0, 1]."""
-        return _level_factors(self.levels)
+        return level_factors(self.levels)
 
     @property
     def final_gradient(self) -> Gradient:
@@ -131,7 +131,8 @@ class Frame(BaseModel):
 Load = Annotated[Plates | Frame, ByKind()]
 
 
-def _level_factors(levels: int | tuple[float, ...]) -> tuple[float, ...]:
+def level_factors(levels: int | tuple[float, ...]) -> tuple[float, ...]:
+    """Return the load factors of the levels, increasing, in (0, 1]."""
     return tuple((n + 1) / levels for n in range(levels)) if isinstance(levels, int) else levels
 
 

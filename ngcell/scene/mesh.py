@@ -1,16 +1,20 @@
-"""How finely the walls are resolved."""
+"""How finely the bodies are resolved."""
 
 from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, Field, Strict, ValidationInfo, field_validator
+from pydantic_core import PydanticCustomError
 
-from ngcell.scene.section import SECTION, PositiveCount, PositiveNumber
+from ngcell.scene.section import SECTION, PlanarVector, PositiveCount, PositiveNumber
+
+#: A refinement with more elements across than this is a typing error.
+MOST_ACROSS = 1000
 
 
 class MeshChoice(BaseModel):
-    """Order and size of the finite elements.
+    """Order and size of the finite elements of a tissue.
 
     Parameters
     ----------
@@ -27,3 +31,53 @@ class MeshChoice(BaseModel):
     order: Annotated[int, Field(ge=1, le=4)] = 3
     size: PositiveNumber | None = None
     layers: PositiveCount | None = None
+
+
+class Refinement(BaseModel):
+    """Smaller elements around a point, growing with the distance from there.
+
+    Parameters
+    ----------
+    at : tuple of float, shape (2,)
+        The point [length].
+    within : float
+        Radius of the refined circle [length], > 0.
+    size : float
+        Largest length of an element's edge in it [length], > 0 and at least `within` over 1000.
+    """
+
+    model_config = SECTION
+
+    at: PlanarVector
+    within: PositiveNumber
+    size: PositiveNumber
+
+    @field_validator("size")
+    @classmethod
+    def _few_enough(cls, size: float, info: ValidationInfo) -> float:
+        least = info.data.get("within", 0.0) / MOST_ACROSS
+        if size < least:
+            raise PydanticCustomError(
+                "limit", "allowed: a length >= within / {most} = {least}", {"most": MOST_ACROSS, "least": f"{least:g}"}
+            )
+        return size
+
+
+class BodyMeshChoice(BaseModel):
+    """Order and size of the finite elements of drawn bodies.
+
+    Parameters
+    ----------
+    order : int
+        Polynomial order of displacement and geometry, 1 to 4.
+    size : float, optional
+        Largest length of an element's edge, > 0; by default half of the smallest thickness of the bodies.
+    refine : tuple of Refinement
+        Where elements are smaller.
+    """
+
+    model_config = SECTION
+
+    order: Annotated[int, Field(ge=1, le=4)] = 2
+    size: PositiveNumber | None = None
+    refine: Annotated[tuple[Refinement, ...], Strict(False)] = ()

@@ -1,4 +1,4 @@
-"""Case files in, case files out: TOML text to a checked `Case` and back."""
+"""Case files in, case files out: TOML text to a checked case and back."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ import tomli_w
 from pydantic import ValidationError
 
 from ngcell.errors import CaseError
-from ngcell.scene.case import Case
 from ngcell.scene.catalogue import find_case
 from ngcell.scene.complaint import CaseText, complaints
+from ngcell.scene.kinds import AnyCase, kind_of_case
 from ngcell.scene.lines import key_lines
 from ngcell.scene.overrides import apply_overrides
 
 _POSITION = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
 
 
-def read_case(path_or_name: str | Path, overrides: Sequence[str] = ()) -> Case:
+def read_case(path_or_name: str | Path, overrides: Sequence[str] = ()) -> AnyCase:
     """Read and check a case file.
 
     Parameters
@@ -32,8 +32,8 @@ def read_case(path_or_name: str | Path, overrides: Sequence[str] = ()) -> Case:
 
     Returns
     -------
-    Case
-        The checked case, with every default filled in.
+    Case or BodyCase
+        The checked case, of a tissue or of drawn bodies, with every default filled in.
 
     Raises
     ------
@@ -44,13 +44,13 @@ def read_case(path_or_name: str | Path, overrides: Sequence[str] = ()) -> Case:
     text = _text(file)
     table, overridden = apply_overrides(_parsed(text, file), overrides)
     try:
-        return Case.model_validate(table)
+        return kind_of_case(table).model_validate(table)
     except ValidationError as error:
         case_text = CaseText(str(file), table, key_lines(text), tuple(overridden))
         raise CaseError("\n".join(complaints(error, case_text))) from None
 
 
-def resolved_toml(case: Case) -> str:
+def resolved_toml(case: AnyCase) -> str:
     """Return the text of a case file that says everything, defaults included, and reads back equal.
 
     Notes

@@ -5,7 +5,9 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
-from ngcell.scene.case import Case
+from pydantic import TypeAdapter
+
+from ngcell.scene.kinds import AnyCase, kind_of_case
 from ngcell.scene.overrides import KeyPath
 
 Node = dict[str, Any]
@@ -13,17 +15,17 @@ Node = dict[str, Any]
 
 @cache
 def _schema() -> Node:
-    return Case.model_json_schema()
+    return TypeAdapter(AnyCase).json_schema()
 
 
 def schema() -> Node:
-    """Return the JSON schema of a case file."""
+    """Return the JSON schema of a case file of either kind."""
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **_schema()}
 
 
 def node_at(path: KeyPath, table: Any) -> Node:
     """Return the schema of the key at `path`; `table`, what the file says, tells the kinds on the way."""
-    node = _resolved(_schema(), table)
+    node: Node = _schema()["$defs"][kind_of_case(table).__name__]
     for part in path:
         table = _entry(table, part)
         node = _resolved(_below(node, part), table)
@@ -65,7 +67,13 @@ def _limits(node: Node) -> str:
         return f" from {node['minimum']:g} to {node['maximum']:g}"
     signs = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
     limits = [f" {sign} {node[key]:g}" for key, sign in signs.items() if key in node]
-    return " and".join(limits) + (", not empty" if node.get("minLength") else "")
+    return " and".join(limits) + _of_text(node)
+
+
+def _of_text(node: Node) -> str:
+    if "pattern" in node:  # the only one there is: that of names
+        return " of letters, digits, _ and -"
+    return ", not empty" if node.get("minLength") else ""
 
 
 def _resolved(node: Node, table: Any) -> Node:

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.clock import Clock
+from ngcell.solve.effort import Effort
 from ngcell.solve.linear import SymmetricMatrix
 from ngcell.solve.problem import Linearisation, Problem, State
 from ngcell.solve.springs import SpringModel, minimum_of_springs
@@ -33,7 +34,7 @@ FELT, UNFELT = 0.1, 1e-4
 #: Differences of energies below this share of the energy are round-off; so are decrements below `NO_DECREMENT`.
 ROUND_OFF, NO_DECREMENT = 1e-13, 1e-18
 #: A decrement below this share of the energy that no longer falls from iteration to iteration is round-off of forces.
-STALLED = 1e-14
+STALLED = 1e-13
 #: Gap, as a share of the longest step, below which a prediction keeps walls closed.
 TOUCHING = 1e-6
 #: Round-off of an energy at rest, as a share of the scale: there it is a difference of numbers of order one.
@@ -52,27 +53,6 @@ class Ending(Enum):
     NO_DESCENT = "no step lowers the energy"
     NO_ENERGY = "elements are inverted at the start"
     CONDITIONS_MISSED = "contact conditions are not met"
-
-
-@dataclass
-class Effort:
-    """What was spent."""
-
-    iterations: int = 0
-    factorisations: int = 0
-    evaluations: int = 0
-    refusals: int = 0
-    patterns: int = 0
-
-    def __sub__(self, other: Effort) -> Effort:
-        return Effort(**{name: getattr(self, name) - getattr(other, name) for name in vars(self)})
-
-    def __add__(self, other: Effort) -> Effort:
-        return Effort(**{name: getattr(self, name) + getattr(other, name) for name in vars(self)})
-
-    def copy(self) -> Effort:
-        """Return a copy that no longer changes."""
-        return Effort(**vars(self))
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,10 +184,13 @@ class Minimiser:
             step, change = self._step(model)
             decrement = -float(model.full_gradient() @ step)
             if change <= 0 <= decrement:
-                trial = self._at(self.problem.move(state.displacement, step))
-                gain = energy - trial.energy - self.tether_energy(trial.displacement, tether)
+                trial, gain = self._tried(state, step, tether, energy)
                 if -lost < change and -lost < gain:
                     return _Advance(trial, 0.0, decrement, shift)
+                if gain <= POOR * -change:
+                    bent, bent_gain = self._bent(state, line, model, step, trial, tether, energy)
+                    if bent is not None and bent_gain > POOR * -change:
+                        trial, gain = bent, bent_gain
                 quality = gain / -change if change < 0 else -np.inf
                 if quality > POOR:
                     return _Advance(trial, self._relaxed(shift, quality, model, step), decrement, shift)
@@ -215,6 +198,38 @@ class Minimiser:
             model, shift = self._raised(model, raised - shift), raised
             self.effort.refusals += 1
         return None
+
+    def _tried(self, state: State, step: Array, tether: Tether, energy: float) -> tuple[State, float]:
+        """Return the state after a step, and by how much its energy is below `energy`."""
+        trial = self._at(self.problem.move(state.displacement, step))
+        return trial, energy - trial.energy - self.tether_energy(trial.displacement, tether)
+
+    def _bent(
+        self,
+        state: State,
+        line: Linearisation,
+        model: SpringModel,
+        step: Array,
+        trial: State,
+        tether: Tether,
+        energy: float,
+    ) -> tuple[State | None, float]:
+        """Return the state after a step that follows the curvature of gaps, and its gain; None where it is of no use.
+
+        Cells that slide or roll on each other move along curves. What the gaps after a step turned out to be beyond
+        their linear parts is added to the springs, and the model is minimised again: a second-order correction.
+        """
+        if not np.isfinite(trial.energy) or not len(model.gap):
+            return None, 0.0
+        foreseen = model.gap + model.jacobian @ step
+        keys, gaps = self.problem.gaps(trial)
+        place = np.minimum(np.searchsorted(keys, line.keys), max(len(keys) - 1, 0))
+        known = keys[place] == line.keys if len(keys) else np.zeros(len(line.keys), dtype=bool)
+        surplus = np.where(known, gaps[place] - foreseen, 0.0) if len(keys) else np.zeros_like(foreseen)
+        if not known.any() or float(np.abs(surplus).max()) > self.longest_step:
+            return None, 0.0
+        bent, change = self._step(replace(model, gap=model.gap + surplus))
+        return self._tried(state, bent, tether, energy) if change <= 0 else (None, 0.0)
 
     def _step(self, model: SpringModel) -> tuple[Array, float]:
         """Return a step no longer than allowed, and the change of the model."""

@@ -33,6 +33,7 @@ class Linearisation(Protocol):
     gap: Array
     jacobian: sparse.csr_array
     spring: Array
+    keys: Index
 
 
 class Problem(Protocol):
@@ -57,6 +58,9 @@ class Problem(Protocol):
     def linearise(self, state: State) -> Linearisation:
         """Return the model about a state."""
 
+    def gaps(self, state: State) -> tuple[Index, Array]:
+        """Return the keys of the springs of a state, increasing, and their gaps."""
+
     def couplings(self, state: State, margin: float) -> tuple[Index, Index]:
         """Return the entries that springs could fill while nothing moves by more than half of `margin`."""
 
@@ -66,3 +70,6 @@ class Problem(Protocol):
     def improve(self, state: State) -> tuple[float, float]:
         """Learn from an equilibrium; return the gap [length] by which it misses conditions that the energy only
         approaches, and the energy that stands for what is missed; zeros where there are none."""
+
+    def hasten(self) -> None:
+        """Make `improve` miss less each time, at the price of an energy that is harder to minimise."""

@@ -40,9 +40,11 @@ STIFFEN_AT = 1e-5
 ON_THE_WAY, AT_THE_END = 1e-2, 1e-10
 #: Decrement at which a minimisation between updates of contact pressures ends: share of the energy that stands for what
 #: conditions are missed by.
-UPDATE = 1e-2
+UPDATE = 0.1
 #: Share of the longest step by which contact conditions may be missed at the end, and the most updates to get there.
 CONDITION, MOST_UPDATES = 1e-11, 40
+#: Share of what was missed before above which an update was slow.
+SLOW = 0.25
 #: Share of the energy that what is missed may stand for where updates hardly help: slivers of walls bear nothing.
 NOTHING = 1e-11
 
@@ -115,10 +117,12 @@ def _until_conditions_hold(minimiser: Minimiser, minimum: Minimum, tether: Tethe
     before = float("inf")
     for _ in range(MOST_UPDATES):
         missed, energy = minimiser.problem.improve(minimum.state)
-        slow = missed > before / 2 and energy <= NOTHING * abs(minimum.state.energy)
-        if missed <= CONDITION * minimiser.longest_step or slow:
+        helpless = missed > before / 2 and energy <= NOTHING * abs(minimum.state.energy)
+        if missed <= CONDITION * minimiser.longest_step or helpless:
             return minimum
         _log.info("conditions missed by %.1e", missed)
+        if missed > SLOW * before:
+            minimiser.problem.hasten()
         before = missed
         minimum = _minimise(minimiser, minimum.state.displacement, tether, AT_THE_END, name, UPDATE * energy)
         if minimum.ending is not Ending.CONVERGED:

@@ -20,7 +20,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.solve.minimise import Effort, Ending, Minimiser, Minimum, Tether
+from ngcell.solve.effort import Effort
+from ngcell.solve.minimise import Ending, Minimiser, Minimum, Tether
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.selection import Release
 
@@ -149,7 +150,7 @@ def compact_then_released(
     """
     load, displacement = 0.0, motion.carried(0.0)
     for target in steps:
-        step = _compact_step(compact, motion, displacement, load, target)
+        step = _compact_step(compact, motion, displacement, load, target, released.loads)
         load, displacement = target, step.minimum.state.displacement
         yield step
         if any(np.isclose(target, level) for level in levels):
@@ -159,13 +160,20 @@ def compact_then_released(
 
 
 def _compact_step(
-    compact: Minimiser, motion: Motion, displacement: Array, load: float, target: float
+    compact: Minimiser,
+    motion: Motion,
+    displacement: Array,
+    load: float,
+    target: float,
+    loads: Loads | None,
 ) -> Accepted:
     before, reached, increment, halvings = compact.effort.copy(), load, target - load, 0
     while True:
         goal = min(reached + increment, target)
         start = displacement + motion.carried(goal) - motion.carried(reached)
         tether = Tether(0.0, start)
+        if loads is not None:
+            loads.apply(goal)
         minimum = compact.minimise(motion.imposed(start, goal), tether)
         if minimum.ending is Ending.CONVERGED:
             displacement, reached = minimum.state.displacement, goal

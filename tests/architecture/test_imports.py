@@ -27,7 +27,8 @@ ALLOWED = {
     "results": {"errors", "scene", "geometry", "mechanics", "contact"},
     "export": {"errors", "scene", "geometry", "mechanics", "contact", "results"},
     "solve": {"errors", "clock"},
-    "simulation": {"clock", "scene", "geometry", "mechanics", "contact", "results", "solve"},
+    "blueprint": {"scene", "geometry", "mechanics"},
+    "simulation": {"blueprint", "clock", "scene", "geometry", "mechanics", "contact", "results", "solve"},
     "run": {"simulation", "errors", "clock", "scene", "geometry", "mechanics", "contact", "results", "export", "solve"},
     "cli": {"errors", "scene", "results", "export", "run", "__version__"},
     # The table of contents names what it offers to type checkers; at run time it imports on demand.
@@ -46,6 +47,7 @@ UNKNOWN = {
     "results": PICTURES | {"click", "rich"},
     "solve": PICTURES | {"netgen", "click", "rich"},
     "export": {"click", "rich"},
+    "blueprint": PICTURES | {"click", "rich"},
     "simulation": PICTURES | {"click", "rich"},
     "run": PICTURES | {"click", "rich"},
     "cli": NUMERICS | PICTURES,

@@ -45,7 +45,7 @@ def test_cases_lists_names_and_titles() -> None:
 def test_schema_is_json() -> None:
     answer = CliRunner().invoke(ngcell, ["schema"])
     assert answer.exit_code == 0
-    assert json.loads(answer.stdout)["required"] == ["tissue", "material", "load"]
+    assert json.loads(answer.stdout)["$defs"]["Case"]["required"] == ["tissue", "material", "load"]
 
 
 def test_view_hands_folder_and_picture_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

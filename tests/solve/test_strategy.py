@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from ngcell.contact.assembly import Assembly
-from ngcell.solve.minimise import Effort, Ending, Minimum, Tether
+from ngcell.solve.effort import Effort
+from ngcell.solve.minimise import Ending, Minimum, Tether
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.selection import Release
 from ngcell.solve.strategy import (
@@ -194,7 +195,7 @@ class FakeMotion:
 
 
 def compact_walk(fake: FakeMinimiser) -> Iterator[Accepted]:
-    return compact_then_released(fake, None, FakeMotion(), steps=[0.5, 1.0], levels=[])
+    return compact_then_released(fake, SimpleNamespace(loads=None), FakeMotion(), steps=[0.5, 1.0], levels=[])
 
 
 def incremental_walk(fake: FakeMinimiser) -> Iterator[Accepted]:

@@ -1,0 +1,146 @@
+"""What a scene asks for, after meshing; a tissue, drawn bodies and own bodies from Python differ in this only."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ngcell.geometry.bodies import BodyMesh
+from ngcell.geometry.drawn import drawn_face
+from ngcell.geometry.shapes import check_boundaries, mesh_shapes
+from ngcell.geometry.tissue import tissue_mesh
+from ngcell.mechanics.filling import cell_pressures
+from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.loading import moved_region, plate_travel, prescribed_motion
+from ngcell.mechanics.loads import BoundaryLoads
+from ngcell.mechanics.space import DisplacementSpace
+from ngcell.mechanics.supports import PrescribedMotion, Support
+from ngcell.scene import Body, BodyCase, BodyScene, Case, CellPressure, Inclusion, MooneyRivlin, Sddp
+
+
+@dataclass(frozen=True, eq=False)
+class Blueprint:
+    """What a scene asks for, after meshing.
+
+    Attributes
+    ----------
+    bodies : BodyMesh
+        The mesh.
+    space : DisplacementSpace
+        The unknowns on it.
+    laws : tuple of MooneyRivlinLaw
+        Law of each body.
+    motion : PrescribedMotion
+        The supports.
+    moved : str
+        Region whose force and displacement are reported; a regular expression.
+    travel : array of float, shape (dimension,)
+        Displacement of that region at load factor 1 [length].
+    compact_first : bool
+        Whether the bodies are loaded as one compact solid before they are released.
+    loads : BoundaryLoads, optional
+        What pushes and pulls besides the supports.
+    filling : MooneyRivlinLaw, optional
+        Law of what fills the lumens.
+    """
+
+    bodies: BodyMesh
+    space: DisplacementSpace
+    laws: tuple[MooneyRivlinLaw, ...]
+    motion: PrescribedMotion
+    moved: str
+    travel: NDArray[np.float64]
+    compact_first: bool
+    loads: BoundaryLoads | None = None
+    filling: MooneyRivlinLaw | None = None
+
+
+def draw_up(scene: Case | BodyCase | BodyScene) -> Blueprint:
+    """Mesh a scene and say what moves."""
+    if isinstance(scene, Case):
+        return _tissue_blueprint(scene)
+    return _body_blueprint(_drawn(scene) if isinstance(scene, BodyCase) else scene)
+
+
+def _tissue_blueprint(case: Case) -> Blueprint:
+    lumen = case.lumen
+    pressures = cell_pressures(lumen, case.tissue) if isinstance(lumen, CellPressure) else None
+    bodies = tissue_mesh(
+        case.tissue,
+        case.load,
+        case.mesh,
+        pressures.regions if pressures else None,
+        filled=isinstance(lumen, Inclusion),
+    )
+    space = DisplacementSpace(bodies, case.mesh.order)
+    motion, loads = prescribed_motion(space, case.load), None
+    if pressures and pressures.loads:
+        loads = BoundaryLoads(space, pressures.loads, motion, in_full=lumen.ramp == "first")
+    return Blueprint(
+        bodies=bodies,
+        space=space,
+        laws=(_law(case.material),) * bodies.body_count,
+        motion=motion,
+        moved=moved_region(case.load),
+        travel=plate_travel(space, case.load),
+        compact_first=isinstance(case.strategy, Sddp),
+        loads=loads,
+        filling=_law(lumen.material) if isinstance(lumen, Inclusion) else None,
+    )
+
+
+def _drawn(case: BodyCase) -> BodyScene:
+    """Return the scene of a case, with the faces that it describes."""
+    bodies = []
+    for body in case.bodies:
+        untouched = tuple(name for name in body.boundaries if name not in body.wall_boundaries)
+        bodies.append(Body(drawn_face(body), body.material, body.name, untouched))
+    return BodyScene(
+        tuple(bodies),
+        tuple(support.resolved for support in case.supports),
+        size=case.mesh.size,
+        order=case.mesh.order,
+        levels=case.levels,
+        steps=case.steps,
+        contact=case.contact,
+        loads=tuple(load.resolved for load in case.loads),
+        refinements=case.mesh.refine,
+    )
+
+
+def _body_blueprint(scene: BodyScene) -> Blueprint:
+    untouched = [edge for body in scene.bodies for edge in body.untouched]
+    bodies = mesh_shapes(
+        [body.shape for body in scene.bodies],
+        [body.name for body in scene.bodies],
+        size=scene.size,
+        order=scene.order,
+        untouched=untouched,
+        refinements=scene.refinements,
+    )
+    check_boundaries(bodies, untouched, wanted_by="untouched edge")
+    check_boundaries(bodies, [support.boundary for support in scene.supports])
+    check_boundaries(bodies, [load.boundary for load in scene.loads], wanted_by="load")
+    space = DisplacementSpace(bodies, scene.order)
+    supports = [
+        Support(support.boundary, np.array(support.gradient), np.array(support.shift), support.components)
+        for support in scene.supports
+    ]
+    moving = [support for support in scene.supports if support.moves]
+    motion = PrescribedMotion(space, supports)
+    return Blueprint(
+        bodies=bodies,
+        space=space,
+        laws=tuple(_law(body.material) for body in scene.bodies),
+        motion=motion,
+        moved="|".join(scene.moved_boundaries) or "none",
+        travel=np.array(moving[0].shift if moving else (0.0, 0.0)),
+        compact_first=False,
+        loads=BoundaryLoads(space, scene.loads, motion) if scene.loads else None,
+    )
+
+
+def _law(material: MooneyRivlin) -> MooneyRivlinLaw:
+    return MooneyRivlinLaw(material.c1, material.c2, material.bulk_modulus)

@@ -1,0 +1,83 @@
+"""Numbers that a case is held to, beside what was measured."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from math import isclose
+from typing import Any
+
+from ngcell.results.quantities import View, measured
+from ngcell.results.record import StepRecord
+from ngcell.scene import BodyExpected, Expected
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One expected number and the measured one.
+
+    Attributes
+    ----------
+    quantity : str
+        What was measured.
+    place : str
+        Boundary or boundaries that it was measured on; empty for the whole scene.
+    load_factor : float
+        Where it was measured, in (0, 1].
+    measured, expected : float
+        The two numbers, in the units of the case.
+    tolerance : float
+        Largest deviation that passes, > 0.
+    origin : str
+        Where the expected number comes from.
+    """
+
+    quantity: str
+    place: str
+    load_factor: float
+    measured: float
+    expected: float
+    tolerance: float
+    origin: str
+
+    @property
+    def deviation(self) -> float:
+        """Measured minus expected over the expected number [1]; the difference itself where 0 is expected."""
+        return (self.measured - self.expected) / (abs(self.expected) or 1.0)
+
+    @property
+    def passed(self) -> bool:
+        """Whether the deviation keeps the tolerance; NaN never does."""
+        return abs(self.deviation) <= self.tolerance
+
+    def table(self) -> dict[str, Any]:
+        """Return everything about it, for the summary."""
+        return {name: getattr(self, name) for name in (*self.__slots__, "deviation", "passed")}
+
+
+def compare(
+    expected: Iterable[Expected | BodyExpected], record: StepRecord, view: View, last_level: float
+) -> Iterator[Finding]:
+    """Yield what is expected at the load factor of a step, beside what was measured there.
+
+    Parameters
+    ----------
+    expected : iterable of Expected or BodyExpected
+        All numbers that the case is held to.
+    record : StepRecord
+        The row of the history.
+    view : View
+        The accepted step.
+    last_level : float
+        Load factor of numbers that name none.
+    """
+    for entry in expected:
+        if not isclose(last_level if entry.level is None else entry.level, record.load_factor):
+            continue
+        if isinstance(entry, Expected):
+            value = float(getattr(record, entry.quantity))
+        else:
+            value = measured(view, entry.quantity, entry.boundaries)
+        yield Finding(
+            entry.quantity, entry.place, record.load_factor, value, entry.value, entry.tolerance, entry.origin
+        )

@@ -1,0 +1,225 @@
+"""A case of drawn bodies: what they are, what holds, moves and loads them, and the numbers they are held to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+from math import isclose
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, Field, Strict, ValidationInfo, field_validator
+from pydantic_core import PydanticCustomError
+
+from ngcell.scene.bodies import BodySupport, Pressure, Traction
+from ngcell.scene.contact import Contact, Penalty
+from ngcell.scene.drawn import DrawnBody, Name
+from ngcell.scene.expected import ROUND, SUPPORTED, BodyExpected
+from ngcell.scene.load import Levels, level_factors
+from ngcell.scene.mesh import BodyMeshChoice
+from ngcell.scene.section import SECTION, ByKind, PlanarVector, PositiveCount
+
+
+class SupportEntry(BaseModel):
+    """A boundary whose displacement is ``load_factor * (gradient @ X + shift)`` at the reference position X.
+
+    Parameters
+    ----------
+    boundary : str
+        Name of a boundary, ``<body>_<side>``.
+    gradient : tuple of tuple of float, shape (2, 2)
+        Displacement gradient at load factor 1, without unit.
+    shift : tuple of float, shape (2,)
+        Displacement of the origin at load factor 1 [length].
+    components : {"xy", "x", "y"}
+        Which components are prescribed; the others are free. Where supports meet, the later one counts.
+    """
+
+    model_config = SECTION
+
+    boundary: Name
+    gradient: Annotated[tuple[PlanarVector, PlanarVector], Strict(False)] = ((0.0, 0.0), (0.0, 0.0))
+    shift: PlanarVector = (0.0, 0.0)
+    components: Literal["xy", "x", "y"] = "xy"
+
+    @property
+    def resolved(self) -> BodySupport:
+        """The support that it means."""
+        return BodySupport(
+            self.boundary, self.gradient, self.shift, ("x" in self.components, "y" in self.components)
+        )
+
+
+class PressureEntry(BaseModel):
+    """A pressure ``load_factor * value`` on a boundary, which stays normal to it as it deforms.
+
+    Parameters
+    ----------
+    boundary : str
+        Name of a boundary, ``<body>_<side>``.
+    value : float
+        Pressure at load factor 1 [stress]; > 0 pushes on the body.
+    """
+
+    model_config = SECTION
+
+    kind: Literal["pressure"] = "pressure"
+    boundary: Name
+    value: float
+
+    @property
+    def resolved(self) -> Pressure:
+        """The load that it means."""
+        return Pressure(self.boundary, self.value)
+
+
+class TractionEntry(BaseModel):
+    """A force ``load_factor * vector`` for each unit of a boundary's length at rest, which keeps its direction.
+
+    Parameters
+    ----------
+    boundary : str
+        Name of a boundary, ``<body>_<side>``.
+    vector : tuple of float, shape (2,)
+        Force on the body for each reference length at load factor 1 [stress].
+    """
+
+    model_config = SECTION
+
+    kind: Literal["traction"] = "traction"
+    boundary: Name
+    vector: PlanarVector
+
+    @property
+    def resolved(self) -> Traction:
+        """The load that it means."""
+        return Traction(self.boundary, self.vector)
+
+
+LoadEntry = Annotated[PressureEntry | TractionEntry, ByKind()]
+
+
+class BodyCase(BaseModel):
+    """Drawn bodies, how they are held and loaded, and how that is to be solved.
+
+    Lengths are in the unit of the bodies' dimensions, stresses in the unit of the materials' constants; every other
+    unit follows from these two.
+
+    Parameters
+    ----------
+    title : str
+        One line that says what happens.
+    source : str
+        Where the scene comes from.
+    levels : int or tuple of float
+        Number of equal levels, or the increasing load factors in (0, 1] that are reported.
+    steps : int, optional
+        Smallest number of load steps, >= 1; by default one for each level.
+    bodies : tuple of Ring, Disc or Block
+        The bodies, at least one; they may touch or overlap, and share nothing even then.
+    supports : tuple of SupportEntry
+        What is held and moved; a body that nothing holds stays as near to where it was as contact allows.
+    loads : tuple of PressureEntry or TractionEntry
+        What pushes and pulls at boundaries; loads on the same boundary add up.
+    contact : Penalty or Mortar
+        What walls do to each other.
+    mesh : BodyMeshChoice
+        How finely the bodies are resolved.
+    expected : tuple of BodyExpected
+        Numbers that the case is held to.
+    """
+
+    model_config = SECTION
+
+    title: str = ""
+    source: str = ""
+    levels: Levels = 10
+    steps: PositiveCount | None = None
+    bodies: Annotated[tuple[DrawnBody, ...], Strict(False), Field(min_length=1)]
+    supports: Annotated[tuple[SupportEntry, ...], Strict(False)] = ()
+    loads: Annotated[tuple[LoadEntry, ...], Strict(False)] = ()
+    contact: Contact = Penalty()
+    mesh: BodyMeshChoice = BodyMeshChoice()
+    expected: Annotated[tuple[BodyExpected, ...], Strict(False)] = ()
+
+    @property
+    def level_factors(self) -> tuple[float, ...]:
+        """Load factors of the levels, increasing, in (0, 1]."""
+        return level_factors(self.levels)
+
+    @property
+    def smallest_step_count(self) -> int:
+        """Smallest number of load steps."""
+        return self.steps or len(self.level_factors)
+
+    @field_validator("bodies")
+    @classmethod
+    def _names_and_walls(cls, bodies: tuple[DrawnBody, ...]) -> tuple[DrawnBody, ...]:
+        names = [body.name for body in bodies]
+        for number, name in enumerate(names):
+            if name in names[:number]:
+                raise PydanticCustomError(
+                    "limit", "is used twice; allowed: a name of its own for each body", {"place": (number, "name")}
+                )
+        if not any(body.wall_boundaries for body in bodies):
+            raise PydanticCustomError(
+                "limit", "no side of any body may touch; allowed: walls on one body at least", {"place": (0, "walls")}
+            )
+        return bodies
+
+    @field_validator("supports", "loads")
+    @classmethod
+    def _at_known_boundaries(cls, entries: tuple[BaseModel, ...], info: ValidationInfo) -> tuple[BaseModel, ...]:
+        known = _boundaries(info, "boundaries")
+        for number, entry in enumerate(entries):
+            _check_boundary(entry.boundary, known, (number, "boundary"))  # type: ignore[attr-defined]
+        return entries
+
+    @field_validator("expected")
+    @classmethod
+    def _can_be_measured(
+        cls, expected: tuple[BodyExpected, ...], info: ValidationInfo
+    ) -> tuple[BodyExpected, ...]:
+        supported = [support.boundary for support in info.data.get("supports", ())]
+        for number, entry in enumerate(expected):
+            if entry.quantity in ROUND:
+                round_ones = _boundaries(info, "round_boundaries")
+                _check_boundary(str(entry.boundary), round_ones, (number, "boundary"), "is no arc")
+            if entry.quantity in SUPPORTED:
+                _check_boundary(str(entry.boundary), supported, (number, "boundary"), "has no support")
+            for side, name in enumerate(entry.between or ()):
+                _check_boundary(name, _boundaries(info, "wall_boundaries"), (number, "between", side), "is no wall")
+            _check_level(entry.level, info, number)
+        return expected
+
+
+def _boundaries(info: ValidationInfo, sort: str) -> list[str]:
+    """Return the names of all boundaries of a sort; none where the bodies are not as they should be."""
+    return [name for body in info.data.get("bodies", ()) for name in getattr(body, sort)]
+
+
+def _check_boundary(
+    name: str, known: Iterable[str], place: tuple[str | int, ...], reason: str = "is no boundary"
+) -> None:
+    known = list(dict.fromkeys(known))
+    if known and name not in known:
+        near = get_close_matches(name, known, n=1)
+        raise PydanticCustomError(
+            "limit",
+            "{reason}{hint}; allowed: {known}",
+            {
+                "reason": reason,
+                "hint": f"; did you mean {near[0]}?" if near else "",
+                "known": ", ".join(known),
+                "place": place,
+            },
+        )
+
+
+def _check_level(level: float | None, info: ValidationInfo, number: int) -> None:
+    reported = level_factors(info.data["levels"]) if "levels" in info.data else ()
+    if level is not None and reported and not any(isclose(level, factor) for factor in reported):
+        raise PydanticCustomError(
+            "limit",
+            "is not reported; allowed: one of the levels ({reported})",
+            {"place": (number, "level"), "reported": ", ".join(f"{factor:g}" for factor in reported)},
+        )

@@ -1,0 +1,88 @@
+"""What cells hold: pressures by cell, and elements that fill a lumen without locking."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ngcell.geometry.filling import lumen_quads
+from ngcell.geometry.lattice import hexagonal_lattice
+from ngcell.geometry.rings import ring_layers, ring_mesh
+from ngcell.mechanics.bulk import BulkEnergy
+from ngcell.mechanics.filling import cell_pressures
+from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.space import DisplacementSpace, csr_matrix
+from ngcell.scene import CellPressure, Tissue
+
+WALL, FILLING = MooneyRivlinLaw(1.0, 1.0, 100.0), MooneyRivlinLaw(0.01, 0.0, 100.0)
+
+
+def area(points: np.ndarray, quads: np.ndarray) -> np.ndarray:
+    one, two = points[quads[:, 2]] - points[quads[:, 0]], points[quads[:, 3]] - points[quads[:, 1]]
+    return (one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]) / 2
+
+
+@pytest.mark.parametrize("edges", [1, 2, 5])
+@pytest.mark.parametrize("radius", [0.0, 0.2])
+def test_quads_fill_the_lumen_and_keep_the_nodes_of_its_wall(edges, radius):
+    lattice = hexagonal_lattice(1, 1, side=1.0, pointy=True)
+    outline = ring_layers(lattice, wall=0.1, radius=radius, edges=edges, layers=1)[-1]
+    points, quads = lumen_quads(outline)
+    per_side = len(outline) // 6
+    assert len(points) == 3 * per_side * (per_side - 1) + 1 and len(quads) == 3 * per_side**2
+    areas = area(np.concatenate([outline, points]), quads)
+    assert areas.min() > 0
+    assert areas.sum() == pytest.approx(1.5 * np.sqrt(3) * (1 - 0.1 / lattice.apothem) ** 2, rel=1e-12)
+    assert set(range(len(outline))) <= set(quads.ravel())
+
+
+def filled_cell(order: int) -> tuple[DisplacementSpace, BulkEnergy]:
+    lattice = hexagonal_lattice(1, 1, side=1.0, pointy=True)
+    bodies = ring_mesh(lattice, wall=0.1, radius=0.0, edges=2, layers=1, supports={}, filled=True)
+    space = DisplacementSpace(bodies, order)
+    return space, BulkEnergy(space, [WALL], filling=FILLING)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_a_filled_cell_has_one_energy(order):
+    space, bulk = filled_cell(order)
+    rng = np.random.default_rng(3)
+    at = 0.01 * rng.standard_normal(space.unknowns)
+    way = rng.standard_normal(space.unknowns)
+    step = 1e-6
+    slope = (bulk.energy(at + step * way) - bulk.energy(at - step * way)) / (2 * step)
+    assert bulk.gradient(at) @ way == pytest.approx(slope, rel=1e-6)
+    bent = (bulk.gradient(at + step * way) - bulk.gradient(at - step * way)) / (2 * step)
+    product = csr_matrix(bulk.tangent(at)) @ way
+    np.testing.assert_allclose(product, bent, atol=2e-5 * np.abs(bent).max())
+
+
+def test_a_stretched_filling_stores_its_own_energy_beside_that_of_the_wall():
+    space, bulk = filled_cell(2)
+    gradient = np.array([[0.1, 0.0], [0.0, -0.05]])
+    state = space.affine(gradient, np.zeros(2)).ravel()
+    full = 1.5 * np.sqrt(3)
+    inner = full * (1 - 0.1 / (np.sqrt(3) / 2)) ** 2
+    assert bulk.energy(state) == pytest.approx(
+        density(WALL, gradient) * (full - inner) + density(FILLING, gradient) * inner, rel=1e-10
+    )
+    shares = {law: members.sum() for law, members in bulk.materials()}
+    assert shares == {FILLING: 12, WALL: 12}
+
+
+def density(law: MooneyRivlinLaw, gradient: np.ndarray) -> float:
+    stretch = np.eye(3)
+    stretch[:2, :2] += gradient
+    jacobian = np.linalg.det(stretch)
+    left = stretch @ stretch.T / jacobian ** (2 / 3)
+    first = np.trace(left)
+    second = (first**2 - np.trace(left @ left)) / 2
+    return law.c1 / 2 * (first - 3) + law.c2 / 2 * (second - 3) + law.bulk_modulus / 2 * np.log(jacobian) ** 2
+
+
+def test_cells_under_the_same_pressure_share_a_region_and_empty_ones_have_no_load():
+    tissue = Tissue(rows=2, cols=3, wall=0.1)
+    filling = cell_pressures(CellPressure(pressure=((0.0, 0.2, 0.1), (0.2, 0.2, 0.0))), tissue)
+    assert [cells.tolist() for cells in filling.regions.values()] == [[0, 5], [2], [1, 3, 4]]
+    assert [(load.boundary, load.value) for load in filling.loads] == [("lumen1", 0.1), ("lumen2", 0.2)]
+    assert len(cell_pressures(CellPressure(pressure=0.3), tissue).regions) == 1

@@ -1,0 +1,82 @@
+"""Tissues of cells under pressure, or filled with a solid."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ngcell import Case, simulate
+from ngcell.contact.walls import WallPoints
+from ngcell.simulation import Simulation, Step
+
+WALL = {"kind": "mooney-rivlin", "c1": 1.0, "c2": 1.0, "bulk_modulus": 100.0}
+GEL = {"kind": "mooney-rivlin", "c1": 0.01, "c2": 0.0, "bulk_modulus": 10.0}
+
+
+def tissue(rows: int, cols: int, **sections: Any) -> Case:
+    given = {"tissue": {"rows": rows, "cols": cols, "wall": 0.1}, "material": WALL, "mesh": {"order": 2}}
+    return Case.model_validate(given | sections)
+
+
+def sheared(lumen: dict[str, Any] | None, strategy: str) -> Step:
+    case = tissue(
+        2,
+        2,
+        load={"kind": "plates", "displacement": [0.5, 0.0], "levels": 1},
+        strategy={"kind": strategy},
+        **({"lumen": lumen} if lumen else {}),
+    )
+    return simulate(case)[-1]
+
+
+def test_pressure_in_confined_cells_of_any_wall_moves_nothing_and_comes_back_as_contact_pressure():
+    """K5: incompressible walls, the outer boundary held."""
+    pressure = 0.5
+    case = tissue(
+        1,
+        7,
+        material=WALL | {"bulk_modulus": 2e4},
+        lumen={"kind": "pressure", "pressure": pressure},
+        load={"kind": "frame", "shear": 0.0, "levels": 1},
+        contact={"kind": "mortar"},
+        strategy={"kind": "single-step"},
+        mesh={"order": 3},
+    )
+    simulation = Simulation(case)
+    (step,) = simulation.walk()
+    edge = np.unique(simulation.scene.facing.edge)
+    places = np.linspace(0.01, 0.99, 7)
+    points = WallPoints(np.repeat(edge, 7), np.tile(places, len(edge)), np.zeros(7 * len(edge)))
+    found = simulation.released.contact.pressures(simulation.released.positions(step.displacement), points)
+    np.testing.assert_allclose(found, pressure, rtol=1e-3)
+    assert np.abs(step.displacement).max() < 1e-3
+    assert step.record.largest_gap < 1e-5
+    assert step.measurement.certificate.passed
+
+
+@pytest.mark.parametrize("lumen", [{"kind": "pressure", "pressure": 0.005}, {"kind": "inclusion", "material": GEL}])
+def test_what_cells_hold_keeps_them_together_whichever_way_they_are_loaded(lumen):
+    empty = sheared(None, "single-step")
+    steps = [sheared(lumen, strategy) for strategy in ("sddp", "single-step")]
+    one, two = (step.record for step in steps)
+    assert all(step.measurement.certificate.passed for step in steps)
+    assert one.energy == pytest.approx(two.energy, rel=1e-6)
+    assert one.plate_force_x == pytest.approx(two.plate_force_x, rel=1e-4)
+    assert one.mean_gap < empty.record.mean_gap
+    assert one.energy > empty.record.energy
+
+
+def test_a_pressure_that_comes_first_is_there_in_full_at_every_level():
+    load = {"kind": "plates", "displacement": [0.2, 0.0], "levels": [0.5, 1.0]}
+
+    def energies(pressure: float, ramp: str) -> list[float]:
+        lumen = {"kind": "pressure", "pressure": pressure, "ramp": ramp}
+        steps = simulate(tissue(1, 2, lumen=lumen, load=load))
+        assert all(step.measurement.certificate.passed for step in steps)
+        return [step.record.energy for step in steps if step.record.phase == "contact"]
+
+    first, grown, twice = energies(0.004, "first"), energies(0.004, "with-load"), energies(0.008, "with-load")
+    assert first == pytest.approx([twice[0], grown[1]], rel=1e-9)
+    assert first[0] > grown[0]
