@@ -39,11 +39,17 @@ BODIES = [
     "parting-rings",
     "press-fit",
     "press-fit-tight",
-    "shear-filled",
-        "shear-pressurised",
-        "stacked-blocks",
+    "stacked-blocks",
 ]
-TISSUES = ["frame-shear", "shear-empty", "shear-empty-3x3", "shear-empty-single-step", "stretch-plates"]
+TISSUES = [
+    "frame-shear",
+    "shear-empty",
+    "shear-empty-3x3",
+    "shear-empty-single-step",
+    "shear-filled",
+    "shear-pressurised",
+    "stretch-plates",
+]
 SHIPPED = sorted(BODIES + TISSUES)
 
 
