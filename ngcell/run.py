@@ -25,6 +25,7 @@ from ngcell.scene import AnyCase, BodyScene, resolved_toml
 from ngcell.simulation import Simulation, Step
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.strategy import StepFailed
+from ngcell.verification import check_has_penalty, stiffer_result
 
 #: Below this number of unknowns a second thread costs more than it saves.
 _UNKNOWNS_FOR_THREADS = 50_000
@@ -45,6 +46,8 @@ class Recording:
         The result folder.
     threads : int, optional
         Number of threads; by default one for small scenes, else one for each core.
+    verify_penalty : bool
+        Whether the last level is repeated with a stiffer penalty, to report how far the result moves.
 
     Attributes
     ----------
@@ -63,8 +66,13 @@ class Recording:
         While iterating: the folder cannot be used or written.
     """
 
-    def __init__(self, case: AnyCase, out: Path, *, threads: int | None = None) -> None:
+    def __init__(
+        self, case: AnyCase, out: Path, *, threads: int | None = None, verify_penalty: bool = False
+    ) -> None:
+        if verify_penalty:
+            check_has_penalty(case)
         self._case, self._out, self._threads = case, Path(out), threads
+        self._verify_penalty = verify_penalty
         self.summary: dict[str, Any] = {}
         self.outcome, self.certified = Outcome.STOPPED.value, False
 
@@ -75,7 +83,7 @@ class Recording:
         started = perf_counter()
         with ResultFolder(self._out, case_text=resolved_toml(self._case)) as folder:
             simulation = Simulation(self._case, clock)
-            outcome, message = None, ""
+            outcome, message, verified = None, "", None
             with _threads(self._threads, simulation.space.unknowns):
                 try:
                     for step in simulation.walk():
@@ -83,6 +91,7 @@ class Recording:
                             folder.accept(step.record, step.walls, step.snapshot)
                         steps.append(step)
                         yield step.record
+                    verified = self._verified(steps)
                 except StepFailed as failure:
                     outcome = failure.outcome
                     message = f"at load factor {failure.load_factor:.6g}: {outcome.value}"
@@ -90,10 +99,20 @@ class Recording:
             with clock.phase("pictures"):
                 folder.draw(title=self._case.title, certified=self.certified, onset=_onset(simulation, steps))
             self.summary = _summary(self._case.title, simulation, steps, self.outcome, self.certified)
+            if verified is not None:
+                self.summary["stiffer_penalty"] = verified
             self.summary["seconds"] = _seconds(clock, perf_counter() - started)
             folder.finish(self.summary)
         if outcome is not None:
             raise NotConverged(message, outcome=outcome.name, record_count=len(steps))
+
+    def _verified(self, steps: list[Step]) -> dict[str, Any] | None:
+        if not self._verify_penalty:
+            return None
+        try:
+            return stiffer_result(self._case, steps[-1])
+        except StepFailed as failure:
+            return {"failed": failure.outcome.value}
 
     def _judge(self, steps: list[Step], failure: Outcome | None) -> None:
         in_balance = failure is None and all(step.record.certified for step in steps)
@@ -103,9 +122,11 @@ class Recording:
         self.outcome = (failure or ended).value if as_expected or not in_balance else _NOT_AS_EXPECTED
 
 
-def record(case: AnyCase, out: Path, *, threads: int | None = None) -> Recording:
+def record(
+    case: AnyCase, out: Path, *, threads: int | None = None, verify_penalty: bool = False
+) -> Recording:
     """Return a run of a case into a result folder; iterate over it to run it."""
-    return Recording(case, out, threads=threads)
+    return Recording(case, out, threads=threads, verify_penalty=verify_penalty)
 
 
 def simulate(scene: AnyCase | BodyScene) -> list[Step]:

@@ -22,10 +22,19 @@ from ngcell.errors import NotConverged
 @set_option
 @click.option("--out", type=click.Path(path_type=Path), help="Result folder; default out/<case name>.")
 @click.option("--threads", type=click.IntRange(min=1), help="Number of threads; default one for each core.")
+@click.option(
+    "--verify-penalty", is_flag=True, help="Repeat the last level with a stiffer penalty; report what moves."
+)
 @click.option("--quiet", "-q", is_flag=True, help="Show no progress.")
 @click.option("--verbose", "-v", is_flag=True, help="Show what the solver logs.")
 def solve(
-    case: str, overrides: tuple[str, ...], out: Path | None, threads: int | None, quiet: bool, verbose: bool
+    case: str,
+    overrides: tuple[str, ...],
+    out: Path | None,
+    threads: int | None,
+    verify_penalty: bool,
+    quiet: bool,
+    verbose: bool,
 ) -> None:
     """Solve CASE, a TOML file or the name of a case that comes with ngcell.
 
@@ -43,7 +52,7 @@ def solve(
         with silent_progress() if quiet else step_progress() as show:
             # After the live line has taken over stderr: a log handler made before would write across it.
             _log_to_stderr(logging.INFO if verbose else logging.WARNING)
-            recording = run.record(scene, folder, threads=threads)
+            recording = run.record(scene, folder, threads=threads, verify_penalty=verify_penalty)
             for record in recording:
                 accepted += 1
                 show(record)

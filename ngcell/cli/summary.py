@@ -17,6 +17,7 @@ def summary_lines(recording: Recording, folder: Path) -> Iterator[str]:
     yield f"certificate  {'passed' if in_balance else 'NOT PASSED'}"
     yield from table_lines(recording.summary.get("certificate", {}), indent=2)
     yield from expected_lines(recording.summary.get("expected", ()))
+    yield from stiffer_lines(recording.summary.get("stiffer_penalty", {}))
     yield f"results      {folder}"
 
 
@@ -41,6 +42,19 @@ def expected_lines(findings: Sequence[Mapping[str, Any]]) -> Iterator[str]:
             f"{finding['expected']:12.6g}  {finding['deviation']:+10.1e}  {finding['tolerance']:10.1e}"
             f"{'' if finding['passed'] else '  not met'}"
         )
+
+
+def stiffer_lines(table: Mapping[str, Any]) -> Iterator[str]:
+    """Yield what moves with a stiffer penalty; nothing where that was not asked for."""
+    if "failed" in table:
+        yield f"penalty      not verified: {table['failed']}"
+    elif table:
+        yield f"penalty      the last level with springs stiffer by {_shown(table['stiffness_factor'])}"
+        rows = {name: row for name, row in table.items() if isinstance(row, Mapping)}
+        width = max(map(len, rows))
+        for name, row in rows.items():
+            change = "" if row["change"] is None else f"{row['change']:+10.1e}"
+            yield f"  {_words(name):{width}}  {_shown(row['meant']):>10}  {_shown(row['stiffer']):>10}  {change}"
 
 
 def table_lines(table: Mapping[str, Any], indent: int = 0) -> Iterator[str]:

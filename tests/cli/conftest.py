@@ -57,7 +57,9 @@ class FakeRun:
     error: BaseException | None = None
     asked: list[tuple[Case, Path, int | None]] = field(default_factory=list)
 
-    def record(self, case: Case, out: Path, *, threads: int | None = None) -> FakeRecording:
+    def record(
+        self, case: Case, out: Path, *, threads: int | None = None, verify_penalty: bool = False
+    ) -> FakeRecording:
         self.asked.append((case, out, threads))
         return FakeRecording(self, case, out)
 

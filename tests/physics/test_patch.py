@@ -43,7 +43,7 @@ def pressed(stretch: float, sizes: tuple[float, float], order: int, *, confined:
         ],
         size=max(sizes),
         order=order,
-        levels=2,
+        levels=2 if confined else 1,
         contact=Mortar(),
     )
     *_, final = Rig(scene, walls="lower-top|upper-bottom").walk()

@@ -1,0 +1,47 @@
+"""What a stiffer penalty moves, as a run reports it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from ngcell import Case, record
+from ngcell.cli.summary import summary_lines
+from ngcell.errors import CaseError
+
+
+def sheared_pair(contact: str) -> Case:
+    return Case.model_validate(
+        {
+            "tissue": {"rows": 2, "cols": 2, "wall": 0.1},
+            "material": {"kind": "mooney-rivlin", "c1": 1.0, "c2": 1.0, "bulk_modulus": 100.0},
+            "load": {"kind": "plates", "displacement": [0.4, -0.02], "levels": 2},
+            "strategy": {"kind": "single-step"},
+            "contact": {"kind": contact},
+            "mesh": {"order": 2},
+        }
+    )
+
+
+def test_a_stiffer_penalty_moves_the_result_a_little_and_halves_the_overlap_at_least(tmp_path: Path) -> None:
+    recording = record(sheared_pair("penalty"), tmp_path / "out", verify_penalty=True)
+    steps = list(recording)
+    table = recording.summary["stiffer_penalty"]
+    assert table["stiffness_factor"] == 10
+    assert table["energy"]["meant"] == steps[-1].energy
+    assert 0 < table["energy"]["change"] < 0.02
+    assert table["penetration_over_wall"]["change"] < -0.4
+    shown = "\n".join(summary_lines(recording, tmp_path))
+    assert "springs stiffer by 10" in shown and "penetration over wall" in shown
+
+
+def test_without_being_asked_a_run_solves_each_level_once(tmp_path: Path) -> None:
+    recording = record(sheared_pair("penalty"), tmp_path / "out")
+    assert len(list(recording)) == 2
+    assert "stiffer_penalty" not in recording.summary
+
+
+def test_the_mortar_method_has_no_penalty_to_verify(tmp_path: Path) -> None:
+    with pytest.raises(CaseError, match="no penalty to verify"):
+        record(sheared_pair("mortar"), tmp_path / "out", verify_penalty=True)
