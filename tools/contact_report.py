@@ -76,9 +76,10 @@ def report(rows: list[Row], text: Path, figures: Path | None, exact: dict[str, d
         for row in rows
     ]
     text.write_text("\n".join((markdown(rates(rows), "Relative errors and rates"), markdown(runs, "Runs"))))
-    if figures is not None:
-        error_over_seconds(rows, figures / "contact-error-time.png")
-        error_over_size(rows, figures / "contact-rates.png")
+    if figures is not None and pressed_throughout(rows):
+        pressed = pressed_throughout(rows)
+        error_over_seconds(pressed, figures / "contact-error-time.png")
+        error_over_size(pressed, figures / "contact-rates.png")
 
 
 def markdown(rows: list[Row], title: str) -> str:
@@ -89,11 +90,19 @@ def markdown(rows: list[Row], title: str) -> str:
     return "\n".join((f"## {title}", "", *lines, ""))
 
 
+def pressed_throughout(rows: list[Row]) -> list[Row]:
+    """Return the rows of problems in which rings press and that were solved in every run, so that sizes compare."""
+    problems = {row["problem"] for row in rows if "contact pressure" in row}
+    pressed = [row for row in rows if row["problem"] in problems]
+    unsolved = {row["problem"] for row in pressed if "contact pressure" not in row}
+    runs = {problem: sum(row["problem"] == problem for row in pressed) for problem in problems}
+    return [row for row in pressed if row["problem"] not in unsolved and runs[row["problem"]] == max(runs.values())]
+
+
 def typical(rows: list[Row], what: str, abscissa: str) -> dict[tuple[str, int], list[tuple[float, float]]]:
     """Return, for each method and order, the median over problems at each size of an abscissa and of an error."""
     lines: dict[tuple[str, int], list[tuple[float, float]]] = {}
-    good = [row for row in rows if what in row]
-    for (method, order, _), mine in _grouped(good, ("method", "order", "size")).items():
+    for (method, order, _), mine in _grouped(rows, ("method", "order", "size")).items():
         place = median(float(row[abscissa]) for row in mine)
         lines.setdefault((method, int(order)), []).append((place, median(row[what] for row in mine)))
     return lines
@@ -115,7 +124,8 @@ def _draw(rows: list[Row], path: Path, abscissa: str, label: str, *, guides: tup
     mpl.use("Agg")
     import matplotlib.pyplot as plt
 
-    figure, axes = plt.subplots(1, 2, figsize=(10, 4.2), layout="constrained", sharex=True)
+    problems = ", ".join(dict.fromkeys(row["problem"] for row in rows))
+    figure, axes = plt.subplots(1, 2, figsize=(11, 4.2), layout="constrained", sharex=True)
     for axis, what in zip(axes, ERRORS, strict=True):
         for (method, order), points in sorted(typical(rows, what, abscissa).items()):
             x, y = zip(*sorted(points), strict=True)
@@ -126,8 +136,8 @@ def _draw(rows: list[Row], path: Path, abscissa: str, label: str, *, guides: tup
             axis.loglog(x, [0.7 * high * (at / x[1]) ** slope for at in x], color="0.8", lw=1, zorder=0)
             axis.text(x[0], 0.7 * high * (x[0] / x[1]) ** slope, f"{slope} ", ha="right", va="center", color="0.6")
         axis.set_ylim(low, high)
-        axis.set(xlabel=label, title=f"relative error of {what}s, median over problems")
+        axis.set(xlabel=label, ylabel="relative error", title=f"{what}: {problems}")
         axis.grid(alpha=0.3)
-    axes[0].legend(fontsize=8)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside right center", fontsize=8, handlelength=3)
     figure.savefig(path, dpi=150)
     plt.close(figure)
