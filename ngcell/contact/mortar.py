@@ -36,7 +36,7 @@ from ngcell.contact.gap import GapKinematics, gap_kinematics
 from ngcell.contact.method import ContactMethod, ContactSet
 from ngcell.contact.multipliers import MultiplierSpace, bulge, watched_points
 from ngcell.contact.search import NearEdges, Partners, PartnerSearch, adjacency
-from ngcell.contact.segments import find_segments, segment_partners
+from ngcell.contact.segments import FACING, find_segments, segment_partners
 from ngcell.contact.walls import WallPoints, Walls
 
 Array = NDArray[np.float64]
@@ -241,8 +241,10 @@ class MortarContact:
         edge = np.where(carries, partners.edge, partners.other)
         xi = np.where(carries, partners.here, partners.xi)
         pressure = (self.space.values(xi) * multipliers[self.space.row[edge]]).sum(1)
+        normal = self.walls.chord_normals(nodes)
+        faces = np.einsum("pd,pd->p", normal[partners.edge], normal[partners.other]) < FACING
         best = np.zeros(len(points.edge))
-        np.maximum.at(best, partners.point, np.where(partners.at_end & ~carries, 0.0, pressure))
+        np.maximum.at(best, partners.point, np.where(faces & (carries | ~partners.at_end), pressure, 0.0))
         return best
 
     def improve(self, contact: ContactSet, positions: Array) -> tuple[float, float]:

@@ -239,7 +239,6 @@ def test_the_pressure_of_a_pair_is_the_same_on_both_its_walls(order):
     assert (pressure >= 0).all()
 
 
-@pytest.mark.xfail(reason="points on flush sides have a foot on the end of the pressed wall, however far away")
 def test_sides_that_stand_flush_bear_no_pressure():
     _, pressure, between, _ = pressures_of_a_flat_overlap(2)
     assert pressure[~between].max() == 0
