@@ -14,10 +14,9 @@ from math import comb
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
-from scipy.sparse.csgraph import connected_components
 
 from ngcell.contact.walls import Walls
+from ngcell.geometry.near import components
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -75,8 +74,7 @@ def _numbered(walls: Walls, degree: int) -> Index:
     at_corner = np.concatenate([own[:, 0][sharp[:, 0]], own[:, -1][sharp[:, 1]]])
     beside = np.concatenate([own[:, 1][sharp[:, 0]], own[:, -2][sharp[:, 1]]])
     links = np.concatenate([function, at_corner]), np.concatenate([own.size + vertex, beside])
-    graph = sparse.coo_array((np.ones(len(links[0])), links), shape=(own.size + walls.ends.max() + 1,) * 2)
-    _, component = connected_components(graph, directed=False)
+    component = components(own.size + int(walls.ends.max()) + 1, *links)
     _, number = np.unique(component[: own.size], return_inverse=True)
     return np.asarray(number.reshape(edges, degree + 1), dtype=np.int64)
 

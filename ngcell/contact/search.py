@@ -1,6 +1,6 @@
 """Who is near whom: for each point of a wall, the closest point on every other body in reach.
 
-Edges whose midpoints are near are found with a k-d tree and kept while nothing has moved by more than a margin;
+Edges whose midpoints are near are found once and kept while nothing has moved by more than a margin;
 their chords narrow the choice, and a few Newton steps on the curved, deformed edge finish it. A point
 may have one partner on each of several bodies: where three cells meet it answers to both neighbours, and never
 flips between them.
@@ -19,9 +19,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.spatial import cKDTree
 
 from ngcell.contact.walls import WallPoints, Walls
+from ngcell.geometry.near import near_pairs
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -148,8 +148,7 @@ def near_edges(walls: Walls, nodes: Array, reach: float) -> tuple[Index, Index]:
     """Return all ordered pairs of edges of different bodies that are nearer than `reach` [length]."""
     middle = (nodes[:, 0] + nodes[:, -1]) / 2
     half = np.linalg.norm(nodes - middle[:, None], axis=2).max(1)
-    pairs = cKDTree(middle).query_pairs(reach + 2 * half.max(), output_type="ndarray")
-    one, two = pairs.T
+    one, two = near_pairs(middle, reach + 2 * float(half.max()))
     distance = np.linalg.norm(middle[one] - middle[two], axis=1)
     near = (walls.body[one] != walls.body[two]) & (distance < reach + half[one] + half[two])
     one, two = one[near], two[near]

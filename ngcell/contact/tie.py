@@ -12,11 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from ngcell.contact.walls import Walls
+from ngcell.geometry.near import components, near_pairs
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -50,11 +48,10 @@ def coincident_edges(walls: Walls) -> Index:
     """Return the pairs of edges of different bodies that coincide in the reference state, shape (pairs, 2)."""
     middle = walls.basis.values(np.array([0.5]))[0] @ walls.rest
     length = np.linalg.norm(walls.rest[:, -1] - walls.rest[:, 0], axis=1)
-    pairs = cKDTree(middle).query_pairs(COINCIDENCE * length.min(), output_type="ndarray")
-    one, two = pairs.T
+    one, two = near_pairs(middle, COINCIDENCE * length.min())
     apart = np.linalg.norm(walls.rest[one] - walls.rest[two][:, ::-1], axis=2).max(1)
     same = (walls.body[one] != walls.body[two]) & (apart < COINCIDENCE * length[one])
-    return np.asarray(pairs[same], dtype=np.int64)
+    return np.column_stack([one[same], two[same]])
 
 
 def tie_walls(walls: Walls, size: int) -> Tie:
@@ -66,8 +63,7 @@ def tie_walls(walls: Walls, size: int) -> Tie:
     row, column = walls.dofs[one][pair, mine], walls.dofs[two][pair, theirs]
     sign = np.sign(relation[pair, theirs, mine])
     # Signs only occur on bubbles, which belong to one edge each: their chains have length one.
-    graph = sparse.coo_array((np.ones(len(row)), (row, column)), shape=(size, size))
-    _, component = connected_components(graph, directed=False)
+    component = components(size, row, column)
     master = np.full(component.max() + 1, size)
     np.minimum.at(master, component, np.arange(size))
     master = master[component]

@@ -11,7 +11,8 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
+
+from ngcell.geometry.near import near_pairs
 
 WALLS = 6
 
@@ -58,9 +59,12 @@ class Lattice:
     def neighbours(self) -> NDArray[np.int64]:
         """Cell on the other side of each wall, -1 on the hull; shape (cells, 6)."""
         across = self.centres[:, None] + 2 * self.apothem * self.normals
-        distance, cell = cKDTree(self.centres).query(across.reshape(-1, 2))
-        cell = np.where(distance < 1e-6 * self.side, cell, -1)
-        return cell.reshape(-1, WALLS)
+        count = len(self.centres)
+        cell, wall = near_pairs(np.concatenate([self.centres, across.reshape(-1, 2)]), 1e-6 * self.side)
+        is_wall = (cell < count) & (wall >= count)
+        beyond = np.full(count * WALLS, -1)
+        beyond[wall[is_wall] - count] = cell[is_wall]
+        return beyond.reshape(-1, WALLS)
 
     def hull_walls(self, row: int, upward: float) -> NDArray[np.bool_]:
         """Return which walls of a row lie on the hull and face up (`upward` = 1) or down (-1); (cells, 6)."""

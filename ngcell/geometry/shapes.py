@@ -25,11 +25,10 @@ import ngsolve
 import numpy as np
 from netgen import occ
 from numpy.typing import NDArray
-from scipy import sparse
-from scipy.sparse.csgraph import connected_components
 
 from ngcell.errors import GeometryError
 from ngcell.geometry.bodies import BodyMesh
+from ngcell.geometry.near import components
 from ngcell.scene.bodies import PLAIN_NAME, check_unique_names
 from ngcell.scene.mesh import Refinement
 
@@ -197,8 +196,7 @@ def _loops(mesh: netgen.meshing.Mesh) -> list[_Loop]:
     segments = mesh.Elements1D().NumPy()
     ends = segments["nodes"][:, :2].astype(np.int64) - 1
     edge = segments["index"].astype(np.int64)
-    graph = sparse.coo_array((np.ones(len(ends)), tuple(ends.T)), shape=(len(points), len(points)))
-    loop = connected_components(graph, directed=False)[1][ends[:, 0]]
+    loop = components(len(points), *ends.T)[ends[:, 0]]
     triangles = mesh.Elements2D().NumPy()
     body_of_point = np.zeros(len(points), dtype=np.int64)
     body_of_point[triangles["nodes"][:, :3] - 1] = triangles["index"][:, None] - 1

@@ -9,10 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
-from scipy.sparse.csgraph import connected_components
 
 from ngcell.contact.assembly import Assembly, State
+from ngcell.geometry.near import components
 
 Array = NDArray[np.float64]
 
@@ -54,9 +53,7 @@ class ContactForces:
     def clumps(self) -> NDArray[np.int64]:
         """Return the clump of bodies in touch that each body belongs to, shape (bodies,)."""
         count = len(self.on_body)
-        one, two = self.bodies.T
-        graph = sparse.coo_array((np.ones(len(one)), (one, two)), shape=(count, count))
-        return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
+        return components(count, *self.bodies.T)
 
 
 def contact_forces(assembly: Assembly, state: State) -> ContactForces:

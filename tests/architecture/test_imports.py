@@ -117,6 +117,16 @@ def test_front_doors_open_without_numerics(front_door: str) -> None:
     assert loaded.stdout.split() == []
 
 
+#: Libraries that take long to load and that a run needs at its end, for pictures, or not at all.
+LATE = {"scipy.spatial", "scipy.sparse.csgraph", "scipy.linalg", "matplotlib", "pyvista", "vtkmodules", "rich"}
+
+
+def test_a_run_starts_without_what_it_may_never_need() -> None:
+    program = f"import sys, ngcell.run; print(*(name for name in {sorted(LATE)} if name in sys.modules))"
+    loaded = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert loaded.stdout.split() == []
+
+
 def test_table_of_contents_is_sorted_and_holds_the_case() -> None:
     assert sorted(ngcell.__all__) == ngcell.__all__
     assert ngcell.Case.__name__ == "Case"

@@ -1,0 +1,71 @@
+"""Points near each other, and what hangs together, in plain numpy.
+
+scipy's k-d tree and graph routines would do, but loading them takes longer than all searches of a small scene.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+#: Most boxes along an axis, so that the number of a box is exact.
+_MOST_BOXES = 2**30
+
+
+def near_pairs(points: Array, reach: float) -> tuple[Index, Index]:
+    """Return all pairs of points at most `reach` [length] apart, each once, the lower number first, sorted.
+
+    The points are sorted into square boxes of side `reach`. A partner is in the same row of boxes, in this box or
+    the next one, or in the row above, in one of three boxes: both are ranges of the sorted points.
+
+    Parameters
+    ----------
+    points : array of float, shape (points, 2)
+        The points [length].
+    reach : float
+        Largest distance of a pair [length], > 0.
+    """
+    if len(points) < 2:
+        return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
+    low, high = points.min(0), points.max(0)
+    side = max(reach, float((high - low).max()) / _MOST_BOXES)
+    column, row = np.floor((points - low) / side).astype(np.int64).T
+    width = int(column.max()) + 3  # an empty box on either side keeps rows apart
+    box = row * width + column + 1
+    order = np.argsort(box, kind="stable")
+    box = box[order]
+    place = np.arange(len(box))
+    own = _ranges(place, place + 1, np.searchsorted(box, box + 1, "right"))
+    above = _ranges(
+        place, np.searchsorted(box, box + width - 1, "left"), np.searchsorted(box, box + width + 1, "right")
+    )
+    one, two = (order[np.concatenate(parts)] for parts in zip(own, above, strict=True))
+    near = ((points[one] - points[two]) ** 2).sum(1) <= reach**2
+    lower, upper = np.minimum(one, two)[near], np.maximum(one, two)[near]
+    sorting = np.lexsort((upper, lower))
+    return lower[sorting], upper[sorting]
+
+
+def components(count: int, one: Index, two: Index) -> Index:
+    """Return the component of each of `count` nodes of a graph with edges from `one` to `two`, shape (count,).
+
+    Components are numbered in the order of their first nodes. Roots are hooked to lower neighbouring roots, and chains
+    of roots shortened, until every edge has one root.
+    """
+    root = np.arange(count)
+    while (apart := root[one] != root[two]).any():
+        here, there = root[one[apart]], root[two[apart]]
+        np.minimum.at(root, np.maximum(here, there), np.minimum(here, there))
+        while (shorter := root[root]).tobytes() != root.tobytes():
+            root = shorter
+    return np.asarray(np.unique(root, return_inverse=True)[1].ravel(), dtype=np.int64)
+
+
+def _ranges(of: Index, first: Index, end: Index) -> tuple[Index, Index]:
+    """Return each number of `of` as often as its range is long, and beside it the numbers of the range."""
+    length = np.maximum(end - first, 0)
+    within = np.arange(length.sum()) - np.repeat(np.cumsum(length) - length, length)
+    return np.repeat(of, length), np.repeat(first, length) + within
