@@ -6,7 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ngcell.run import inspect, record, simulate
+    from ngcell.run import inspect, record, resume, simulate
     from ngcell.scene import (
         Body,
         BodyCase,
@@ -53,10 +53,11 @@ __all__ = [
     "inspect",
     "read_case",
     "record",
+    "resume",
     "simulate",
 ]
 
-_FROM_RUN = {"inspect", "record", "simulate"}
+_FROM_RUN = {"inspect", "record", "resume", "simulate"}
 
 
 def __getattr__(name: str) -> Any:

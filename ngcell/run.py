@@ -16,15 +16,17 @@ from threadpoolctl import threadpool_limits
 
 from ngcell.clock import Clock
 from ngcell.contact.facing import count_corners
-from ngcell.errors import NotConverged
-from ngcell.export import ResultFolder
+from ngcell.errors import CaseError, NotConverged, OutputError
+from ngcell.export import Restart, ResultFolder, cannot_resume, read_restart, read_summary
 from ngcell.results.certificate import MEANING, worst
 from ngcell.results.growth import growth_onset
 from ngcell.results.record import StepRecord
-from ngcell.scene import AnyCase, BodyScene, resolved_toml
+from ngcell.results.report import StepReport
+from ngcell.scene import AnyCase, BodyScene, read_case, resolved_toml
 from ngcell.simulation import Simulation, Step
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.strategy import StepFailed
+from ngcell.standing import Standing
 from ngcell.verification import check_has_penalty, stiffer_result
 
 #: Below this number of unknowns a second thread costs more than it saves.
@@ -48,6 +50,8 @@ class Recording:
         Number of threads; by default one for small scenes, else one for each core.
     verify_penalty : bool
         Whether the last level is repeated with a stiffer penalty, to report how far the result moves.
+    restart : Restart, optional
+        Where an earlier run into this folder stood; this one goes on from there.
 
     Attributes
     ----------
@@ -67,29 +71,42 @@ class Recording:
     """
 
     def __init__(
-        self, case: AnyCase, out: Path, *, threads: int | None = None, verify_penalty: bool = False
+        self,
+        case: AnyCase,
+        out: Path,
+        *,
+        threads: int | None = None,
+        verify_penalty: bool = False,
+        restart: Restart | None = None,
     ) -> None:
         if verify_penalty:
             check_has_penalty(case)
         self._case, self._out, self._threads = case, Path(out), threads
-        self._verify_penalty = verify_penalty
+        self._verify_penalty, self._restart = verify_penalty, restart
         self.summary: dict[str, Any] = {}
         self.outcome, self.certified = Outcome.STOPPED.value, False
 
     def __iter__(self) -> Iterator[StepRecord]:
         clock = Clock()
         clock.seconds["imports"] = process_time()
-        steps: list[Step] = []
+        steps = list(self._restart.reports) if self._restart else []
         started = perf_counter()
-        with ResultFolder(self._out, case_text=resolved_toml(self._case)) as folder:
+        with ResultFolder(self._out, case_text=resolved_toml(self._case), restart=self._restart) as folder:
             simulation = Simulation(self._case, clock)
+            standing = self._standing(simulation)
             outcome, message, verified = None, "", None
             with _threads(self._threads, simulation.space.unknowns):
                 try:
-                    for step in simulation.walk():
+                    for step in simulation.walk(standing):
                         with clock.phase("output"):
-                            folder.accept(step.record, step.walls, step.snapshot)
-                        steps.append(step)
+                            folder.accept(
+                                step.record,
+                                step.walls,
+                                step.snapshot,
+                                report=step.report,
+                                standing=step.standing.arrays(),
+                            )
+                        steps.append(step.report)
                         yield step.record
                     verified = self._verified(steps)
                 except StepFailed as failure:
@@ -106,7 +123,16 @@ class Recording:
         if outcome is not None:
             raise NotConverged(message, outcome=outcome.name, record_count=len(steps))
 
-    def _verified(self, steps: list[Step]) -> dict[str, Any] | None:
+    def _standing(self, simulation: Simulation) -> Standing:
+        """Return where the walk starts."""
+        if self._restart is None:
+            return Standing()
+        try:
+            return Standing.from_arrays(self._restart.standing, simulation.space.unknowns)
+        except (ValueError, KeyError, TypeError) as error:
+            raise cannot_resume(self._out, f"what the walk stood at does not fit the case ({error})") from error
+
+    def _verified(self, steps: list[StepReport]) -> dict[str, Any] | None:
         if not self._verify_penalty:
             return None
         try:
@@ -114,7 +140,7 @@ class Recording:
         except StepFailed as failure:
             return {"failed": failure.outcome.value}
 
-    def _judge(self, steps: list[Step], failure: Outcome | None) -> None:
+    def _judge(self, steps: list[StepReport], failure: Outcome | None) -> None:
         in_balance = failure is None and all(step.record.certified for step in steps)
         as_expected = all(finding.passed for step in steps for finding in step.findings)
         self.certified = in_balance and as_expected
@@ -127,6 +153,32 @@ def record(
 ) -> Recording:
     """Return a run of a case into a result folder; iterate over it to run it."""
     return Recording(case, out, threads=threads, verify_penalty=verify_penalty)
+
+
+def resume(out: Path, *, threads: int | None = None, verify_penalty: bool = False) -> Recording:
+    """Return the rest of a run that stopped; iterate over it to run it.
+
+    Its steps up to the stop are kept, and it ends with the numbers that it would have had without the stop.
+
+    Raises
+    ------
+    OutputError
+        If the folder holds no run, or one that has ended, or is damaged.
+    """
+    out = Path(out)
+    summary = read_summary(out)
+    if summary.get("status") == "finished":
+        raise OutputError(f"{out} needs no resuming: the run has ended ({summary.get('outcome')})")
+    try:
+        case = read_case(out / "case.toml")
+    except CaseError as error:
+        raise cannot_resume(out, str(error)) from error
+    if not summary.get("accepted_steps"):
+        return Recording(case, out, threads=threads, verify_penalty=verify_penalty)
+    restart = read_restart(out)
+    if restart.case_text != resolved_toml(case):
+        raise cannot_resume(out, "case.toml is not the case of this run any more")
+    return Recording(case, out, threads=threads, verify_penalty=verify_penalty, restart=restart)
 
 
 def simulate(scene: AnyCase | BodyScene) -> list[Step]:
@@ -173,11 +225,11 @@ def inspect(case: AnyCase) -> dict[str, Any]:
 
 
 def _summary(
-    title: str, simulation: Simulation, steps: list[Step], outcome: str, certified: bool
+    title: str, simulation: Simulation, steps: list[StepReport], outcome: str, certified: bool
 ) -> dict[str, Any]:
     """Return what `summary.json` holds of a run."""
     last = steps[-1] if steps else None
-    checks = worst(step.measurement.certificate for step in steps)
+    checks = worst(step.certificate for step in steps)
     return {
         "title": title,
         "outcome": outcome,
@@ -189,7 +241,7 @@ def _summary(
         "meaning_of_checks": MEANING,
         "expected": [finding.table() for step in steps for finding in step.findings],
         "failed_steps": {
-            step.record.step: step.measurement.certificate.failures
+            step.record.step: step.certificate.failures
             for step in steps
             if not step.record.certified
         },
@@ -197,11 +249,11 @@ def _summary(
         "bodies": simulation.bodies.body_count,
         "unknowns": simulation.space.unknowns,
         "facing_pairs": len(simulation.scene.facing.pairs),
-        "held_by_nothing": last.measurement.free_bodies if last else (),
+        "held_by_nothing": last.free_bodies if last else (),
         "changes_of_branch": {
-            step.record.step: {"unstored_work": step.measurement.unstored_work}
+            step.record.step: {"unstored_work": step.unstored_work}
             for step in steps
-            if step.record.phase == "contact" and step.measurement.unstored_work != 0
+            if step.record.phase == "contact" and step.unstored_work != 0
         },
         "onset_of_growth": _onset(simulation, steps),
         "iterations": sum(step.record.iterations for step in steps),
@@ -210,7 +262,7 @@ def _summary(
     }
 
 
-def _onset(simulation: Simulation, steps: list[Step]) -> float | None:
+def _onset(simulation: Simulation, steps: list[StepReport]) -> float | None:
     contact = [step.record for step in steps if step.record.phase == "contact"]
     displacement, mean = [row.plate_displacement for row in contact], [row.mean_gap for row in contact]
     return growth_onset(displacement, mean, simulation.bodies.thickness)

@@ -24,15 +24,17 @@ from ngcell.contact.walls import find_walls
 from ngcell.mechanics.bulk import BulkEnergy
 from ngcell.results.fields import take_snapshot
 from ngcell.results.finding import Finding, compare
-from ngcell.results.measure import Measurement, Scene, measure, parted_pairs, wall_records
+from ngcell.results.measure import Measurement, Scene, WorkPoint, measure, parted_pairs, wall_records
 from ngcell.results.quantities import View
 from ngcell.results.record import StepRecord, WallRecord
+from ngcell.results.report import StepReport
 from ngcell.results.snapshot import Snapshot
 from ngcell.results.surface import wall_fields
 from ngcell.scene import AnyCase, BodyScene
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.selection import Release
 from ngcell.solve.strategy import Accepted, Released, compact_then_released, single_step
+from ngcell.standing import Standing
 
 #: Walls that face each other nearer than this share of their thickness count as touching at rest.
 _TOUCHING = 0.05
@@ -59,6 +61,8 @@ class Step:
         The fields, at reported levels.
     findings : list of Finding
         What the case expects at this level, beside what was measured.
+    standing : Standing
+        Where the walk stands after it.
     """
 
     record: StepRecord
@@ -67,6 +71,15 @@ class Step:
     displacement: NDArray[np.float64]
     snapshot: Snapshot | None
     findings: list[Finding]
+    standing: Standing
+
+    @property
+    def report(self) -> StepReport:
+        """What the summary needs to know of it."""
+        measured = self.measurement
+        return StepReport(
+            self.record, measured.certificate, tuple(self.findings), measured.free_bodies, measured.unstored_work
+        )
 
 
 class Simulation:
@@ -118,32 +131,39 @@ class Simulation:
         methods = contact_ladder(self._contact, self.walls, moduli, reach=2 * self.longest_step)
         return tuple(Assembly(self.space, self.bulk, self.motion.fixed, contact=method) for method in methods)
 
-    def walk(self) -> Iterator[Step]:
-        """Yield the accepted steps.
+    def walk(self, standing: Standing | None = None) -> Iterator[Step]:
+        """Yield the accepted steps, or those that follow where an earlier walk stood.
 
         Raises
         ------
         StepFailed
             If a step finds no equilibrium.
         """
-        latest: dict[str, Measurement] = {}
+        standing = standing or Standing()
         started = perf_counter()
-        for number, accepted in enumerate(self._accepted()):
+        for accepted in self._accepted(standing):
             with self.clock.phase("measuring"):
-                measurement = self._measure(accepted, latest.get(accepted.phase))
-                latest[accepted.phase] = measurement
-                step = self._step(number, accepted, measurement, perf_counter() - started)
+                measurement = self._measure(accepted, standing.work.get(accepted.phase))
+                number, displacement = standing.count, accepted.minimum.state.displacement
+                # Terms with a memory hand it over here, and take it up again from `standing.memory` at the start.
+                standing = standing.after(accepted.phase, displacement, measurement.work)
+                step = self._step(number, accepted, measurement, perf_counter() - started, standing)
             yield step
             started = perf_counter()
 
-    def _accepted(self) -> Iterator[Accepted]:
-        levels = self.levels
-        if self.blueprint.compact_first:
-            compact = self._minimiser(self.compact, np.inf)
-            return compact_then_released(
-                compact, self._released(), self.motion, steps=self._steps(), levels=levels
-            )
-        return single_step(self._released(), self.motion, steps=self._steps())
+    def _accepted(self, standing: Standing) -> Iterator[Accepted]:
+        steps, done, last = self._steps(), standing.count, standing.displacement
+        if not self.blueprint.compact_first:
+            return single_step(self._released(), self.motion, steps=steps, done=done, last=last.get("contact"))
+        return compact_then_released(
+            self._minimiser(self.compact, np.inf),
+            self._released(),
+            self.motion,
+            steps=steps,
+            levels=self.levels,
+            done=done,
+            last_compact=last.get("compact"),
+        )
 
     def _released(self) -> Released:
         minimisers = [self._minimiser(assembly, self.longest_step) for assembly in self._ladder]
@@ -174,7 +194,7 @@ class Simulation:
             before = level
         return [float(step) for step in steps]
 
-    def _measure(self, accepted: Accepted, before: Measurement | None) -> Measurement:
+    def _measure(self, accepted: Accepted, before: WorkPoint | None) -> Measurement:
         assembly = self.compact if accepted.phase == "compact" else self.released
         state, tether = accepted.minimum.state, accepted.tether
         force = tether.strength * (assembly.mass @ (tether.anchor - state.displacement))
@@ -189,7 +209,9 @@ class Simulation:
             before=before,
         )
 
-    def _step(self, number: int, accepted: Accepted, measured: Measurement, seconds: float) -> Step:
+    def _step(
+        self, number: int, accepted: Accepted, measured: Measurement, seconds: float, standing: Standing
+    ) -> Step:
         assembly = self.compact if accepted.phase == "compact" else self.released
         thickness, facing = self.bodies.thickness, self.scene.facing
         is_contact = accepted.phase == "contact"
@@ -233,6 +255,6 @@ class Simulation:
                 contact_pressure=pressure,
                 free_bodies=frozenset(measured.free_bodies),
             )
-        return Step(record, rows, measured, displacement, snapshot, findings)
+        return Step(record, rows, measured, displacement, snapshot, findings, standing)
 
 

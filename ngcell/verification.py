@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from ngcell.errors import CaseError
+from ngcell.results.report import StepReport
 from ngcell.scene import AnyCase, Case, Mortar
-from ngcell.simulation import Simulation, Step
+from ngcell.simulation import Simulation
 
 #: Factor on the stiffness. Errors of a penalty fall in proportion to it, so what moves is nearly the whole error.
 STIFFER = 10.0
@@ -26,14 +27,14 @@ def check_has_penalty(case: AnyCase) -> None:
         raise CaseError("contact.kind = 'mortar' has no penalty to verify; allowed: contact.kind = 'penalty'")
 
 
-def stiffer_result(case: AnyCase, last: Step) -> dict[str, Any]:
+def stiffer_result(case: AnyCase, last: StepReport) -> dict[str, Any]:
     """Return what the last level of a case becomes with a stiffer penalty.
 
     Parameters
     ----------
     case : Case or BodyCase
         The case, with contact by penalty.
-    last : Step
+    last : StepReport
         Its last accepted step, at its own stiffness.
 
     Returns
@@ -54,13 +55,13 @@ def stiffer_result(case: AnyCase, last: Step) -> dict[str, Any]:
         load = case.load.model_copy(update={"levels": (case.level_factors[-1],)})
         stiffer = stiffer.model_copy(update={"load": load})
     *_, step = Simulation(stiffer).walk()
-    overlaps = [_overlap(taken) for taken in (last, step)]
+    overlaps = [_overlap(taken) for taken in (last, step.report)]
     table = {name: _compared(getattr(last.record, name), getattr(step.record, name)) for name in _COMPARED}
     return {"stiffness_factor": STIFFER, **table, "penetration_over_wall": _compared(*overlaps)}
 
 
-def _overlap(step: Step) -> float:
-    checks = step.measurement.certificate.checks
+def _overlap(step: StepReport) -> float:
+    checks = step.certificate.checks
     return next(check.value for check in checks if check.name == "penetration_over_wall")
 
 

@@ -11,16 +11,22 @@ from typing import NoReturn
 
 import click
 
-from ngcell.cli.arguments import case_argument, set_option
+from ngcell.cli.arguments import set_option
 from ngcell.cli.progress import silent_progress, step_progress
 from ngcell.cli.summary import summary_lines
 from ngcell.errors import NotConverged
 
 
 @click.command()
-@case_argument
+@click.argument("case", required=False)
 @set_option
 @click.option("--out", type=click.Path(path_type=Path), help="Result folder; default out/<case name>.")
+@click.option(
+    "--resume",
+    metavar="DIR",
+    type=click.Path(exists=True, file_okay=False, path_type=Path),
+    help="Go on with the run that stopped in DIR, in place of a CASE.",
+)
 @click.option("--threads", type=click.IntRange(min=1), help="Number of threads; default one for each core.")
 @click.option(
     "--verify-penalty", is_flag=True, help="Repeat the last level with a stiffer penalty; report what moves."
@@ -28,9 +34,10 @@ from ngcell.errors import NotConverged
 @click.option("--quiet", "-q", is_flag=True, help="Show no progress.")
 @click.option("--verbose", "-v", is_flag=True, help="Show what the solver logs.")
 def solve(
-    case: str,
+    case: str | None,
     overrides: tuple[str, ...],
     out: Path | None,
+    resume: Path | None,
     threads: int | None,
     verify_penalty: bool,
     quiet: bool,
@@ -38,23 +45,32 @@ def solve(
 ) -> None:
     """Solve CASE, a TOML file or the name of a case that comes with ngcell.
 
-    The results are written as the run goes; a run that is stopped keeps every step that it accepted.
+    The results are written as the run goes; a run that is stopped keeps every step that it accepted, and --resume
+    computes the rest.
     """
     _look_rarely_for_cycles()
-    from ngcell.scene import case_name, find_case, read_case
-
-    scene = read_case(case, overrides)
-    folder = out or Path("out") / case_name(find_case(case))
     accepted = 0
+    if resume is not None:
+        if case is not None or overrides or out is not None:
+            raise click.UsageError("--resume DIR takes the case and the folder from DIR: no CASE, --set or --out")
+        folder, accepted = resume, _accepted_before(resume)
+    elif case is None:
+        raise click.UsageError("a CASE to solve, or --resume DIR, is missing")
+    else:
+        from ngcell.scene import case_name, find_case, read_case
+
+        scene = read_case(case, overrides)
+        folder = out or Path("out") / case_name(find_case(case))
     try:
         from ngcell import run
 
         with silent_progress() if quiet else step_progress() as show:
             # After the live line has taken over stderr: a log handler made before would write across it.
             _log_to_stderr(logging.INFO if verbose else logging.WARNING)
-            recording = run.record(scene, folder, threads=threads, verify_penalty=verify_penalty)
+            options = {"threads": threads, "verify_penalty": verify_penalty}
+            recording = run.resume(folder, **options) if resume else run.record(scene, folder, **options)
             for record in recording:
-                accepted += 1
+                accepted = record.step + 1
                 show(record)
     except KeyboardInterrupt:
         _give_up("stopped by Ctrl-C", accepted, folder)
@@ -64,6 +80,17 @@ def solve(
         click.echo(line)
     if not recording.certified:
         _give_up("not certified", accepted, folder)
+
+
+def _accepted_before(folder: Path) -> int:
+    """Return the number of accepted steps of a run that stopped; say so and end if there is nothing to resume."""
+    from ngcell.export.summary import read_summary
+
+    summary = read_summary(folder)
+    if summary.get("status") == "finished":
+        click.echo(f"nothing to resume: the run in {folder} has ended ({summary.get('outcome')})")
+        sys.exit(0 if summary.get("certified") else NotConverged.exit_code)
+    return int(summary.get("accepted_steps") or 0)
 
 
 def _look_rarely_for_cycles() -> None:

@@ -6,6 +6,7 @@ VTK, pyvista and matplotlib are imported inside the functions that need them, so
 from ngcell.export.curves import draw_curves
 from ngcell.export.folder import ResultFolder
 from ngcell.export.picture import draw_tissue
+from ngcell.export.restart import Restart, cannot_resume, read_restart
 from ngcell.export.series import SnapshotSeries, read_last_snapshot
 from ngcell.export.summary import read_summary, write_summary
 from ngcell.export.tables import RecordTable
@@ -13,11 +14,14 @@ from ngcell.export.view import show
 
 __all__ = [
     "RecordTable",
+    "Restart",
     "ResultFolder",
     "SnapshotSeries",
+    "cannot_resume",
     "draw_curves",
     "draw_tissue",
     "read_last_snapshot",
+    "read_restart",
     "read_summary",
     "show",
     "write_summary",

@@ -2,7 +2,8 @@
 
 `summary.json` is the mark of ownership: it is the first file written, naming the program, and says `running`
 until the run ends, so that a killed run is recognised and its folder may be used again. A step is on disk
-when `accept` returns; a step that cannot be written in full is taken back.
+when `accept` returns; a step that cannot be written in full is taken back. Until the run ends, `restart.npz` holds
+what it can be resumed from.
 """
 
 from __future__ import annotations
@@ -14,20 +15,24 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from numpy.typing import NDArray
+
 from ngcell.errors import OutputError
 from ngcell.export.atomic import output_errors, replace_file
 from ngcell.export.curves import draw_curves
 from ngcell.export.picture import draw_tissue
-from ngcell.export.series import SnapshotSeries
+from ngcell.export.restart import RESTART, Restart, cannot_resume, write_restart
+from ngcell.export.series import SnapshotSeries, read_last_snapshot
 from ngcell.export.summary import SUMMARY, read_summary, write_summary
 from ngcell.export.tables import RecordTable
 from ngcell.results.record import StepRecord, WallRecord
+from ngcell.results.report import StepReport
 from ngcell.results.snapshot import Snapshot
 
 _PROGRAM = "ngcell"
 _DRAFT = re.compile(r"\..+\.tmp")
 _OWNED = re.compile(
-    r"case\.toml|history\.csv|walls\.csv|tissue\.pvd|(tissue|walls)_\d{4,}\.vtu|(tissue|gap)\.png|\..+\.tmp"
+    r"case\.toml|history\.csv|walls\.csv|restart\.npz|tissue\.pvd|(tissue|walls)_\d{4,}\.vtu|(tissue|gap)\.png|\..+\.tmp"
 )
 
 
@@ -43,6 +48,8 @@ class ResultFolder:
         A folder that does not exist, is empty, or holds an earlier result.
     case_text : str, optional
         The resolved case, written as `case.toml`.
+    restart : Restart, optional
+        Where the run that stopped in this folder stood; what it wrote until then is kept, and the run goes on.
 
     Raises
     ------
@@ -56,15 +63,22 @@ class ResultFolder:
     ...     folder.finish({"certified": True})
     """
 
-    def __init__(self, path: Path, *, case_text: str | None = None) -> None:
+    def __init__(
+        self, path: Path, *, case_text: str | None = None, restart: Restart | None = None
+    ) -> None:
         self.path = Path(path)
         self._case_text = case_text
-        self._history: list[StepRecord] = []
+        self._restart = restart
+        self._reports = list(restart.reports) if restart else []
+        self._history = [report.record for report in self._reports]
         self._last: Snapshot | None = None
         self._drawn = self._finished = False
 
     def __enter__(self) -> Self:
         self._make()
+        if self._restart is not None:
+            self._go_on(self._restart)
+            return self
         self._note("running")
         self._clear()
         if self._case_text is not None:
@@ -73,6 +87,22 @@ class ResultFolder:
         self._walls = RecordTable(self.path / "walls.csv", WallRecord)
         self._series = SnapshotSeries(self.path)
         return self
+
+    def _go_on(self, restart: Restart) -> None:
+        self._series = SnapshotSeries(self.path, snapshots=restart.snapshots)
+        if self._series.missing:
+            raise cannot_resume(self.path, f"{self._series.missing[0]} is missing")
+        for name in restart.table_sizes:
+            if not (self.path / name).is_file():
+                raise cannot_resume(self.path, f"{name} is missing")
+        try:
+            self._steps, self._walls = (
+                RecordTable(self.path / name, kind, size=restart.table_sizes[name])
+                for name, kind in (("history.csv", StepRecord), ("walls.csv", WallRecord))
+            )
+        except (OutputError, KeyError) as error:
+            raise cannot_resume(self.path, str(error)) from error
+        self._note("running")
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
@@ -85,9 +115,18 @@ class ResultFolder:
                 self._note("stopped", reason=reason)
 
     def accept(
-        self, record: StepRecord, walls: Sequence[WallRecord] = (), snapshot: Snapshot | None = None
+        self,
+        record: StepRecord,
+        walls: Sequence[WallRecord] = (),
+        snapshot: Snapshot | None = None,
+        *,
+        report: StepReport | None = None,
+        standing: Mapping[str, NDArray[Any]] | None = None,
     ) -> None:
         """Put an accepted step on disk: its wall rows, its history row and, if given, its snapshot.
+
+        With `report`, what the summary will tell of it, and `standing`, what the next step depends on, the run can be
+        resumed after this step.
 
         Raises
         ------
@@ -107,7 +146,20 @@ class ResultFolder:
             raise OutputError(f"{error}; {self._kept()}") from error
         self._history.append(record)
         self._last = snapshot or self._last
+        if report is not None and standing is not None:
+            self._reports.append(report)
+            self._remember(standing)
         self._note("running")
+
+    def _remember(self, standing: Mapping[str, NDArray[Any]]) -> None:
+        sizes = {"history.csv": self._steps.size, "walls.csv": self._walls.size}
+        restart = Restart(
+            self._case_text or "", standing, tuple(self._reports), sizes, self._series.snapshots
+        )
+        try:
+            write_restart(self.path, restart)
+        except OutputError as error:
+            raise OutputError(f"{error}; {self._kept()}") from error
 
     def draw(self, *, title: str = "", certified: bool, onset: float | None = None) -> None:
         """Draw `tissue.png` of the last snapshot and `gap.png` of the history, as far as there are any.
@@ -118,6 +170,8 @@ class ResultFolder:
             If a picture cannot be written.
         """
         self._drawn = True
+        if self._last is None and self._series.snapshots:
+            self._last, _ = read_last_snapshot(self.path)
         if self._last is not None:
             draw_tissue(self._last, self.path / "tissue.png", title=title, certified=certified)
         if self._history:
@@ -145,6 +199,8 @@ class ResultFolder:
                     onset=summary.get("onset"),
                 )
             write_summary(self.path, {"program": _PROGRAM, "status": "finished", **summary})
+            with output_errors(self.path):
+                (self.path / RESTART).unlink(missing_ok=True)
         except OutputError as error:
             raise OutputError(f"{error}; {self._kept()}") from error
         self._finished = True

@@ -50,12 +50,27 @@ class SnapshotSeries:
         An existing folder.
     name : str
         Stem of the `.pvd` file.
+    snapshots : sequence of (int, float, float)
+        Step, load factor and plate displacement of the snapshots that are there already.
     """
 
-    def __init__(self, folder: Path, name: str = "tissue") -> None:
+    def __init__(
+        self, folder: Path, name: str = "tissue", *, snapshots: Sequence[tuple[int, float, float]] = ()
+    ) -> None:
         self.folder = Path(folder)
         self.name = name
-        self._entries: list[_Entry] = []
+        self._entries = [_Entry(number, *snapshot) for number, snapshot in enumerate(snapshots)]
+
+    @property
+    def snapshots(self) -> tuple[tuple[int, float, float], ...]:
+        """Step, load factor and plate displacement of each snapshot."""
+        return tuple((entry.step, entry.load_factor, entry.plate_displacement) for entry in self._entries)
+
+    @property
+    def missing(self) -> list[str]:
+        """Names of the files of snapshots that are not there."""
+        names = [name for entry in self._entries for name in self._parts(entry)]
+        return [name for name in names if not (self.folder / name).is_file()]
 
     def append(self, snapshot: Snapshot, *, certified: bool) -> None:
         """Write the two files of a snapshot and then list them in the `.pvd`.

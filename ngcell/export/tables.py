@@ -16,6 +16,7 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
+from ngcell.errors import OutputError
 from ngcell.export.atomic import output_errors
 
 Record = TypeVar("Record")
@@ -32,19 +33,28 @@ class RecordTable(Generic[Record]):
         The file; replaced if it exists. Its header is written at once.
     record_type : type
         Dataclass of the rows.
+    size : int, optional
+        Go on with the existing table after its first `size` bytes instead.
 
     Raises
     ------
     OutputError
-        If the file cannot be written, here or at an append.
+        If the file cannot be written, here or at an append, or is no such table of that size.
     """
 
-    def __init__(self, path: Path, record_type: type[Record]) -> None:
+    def __init__(self, path: Path, record_type: type[Record], *, size: int | None = None) -> None:
         self.path = Path(path)
         self._columns = [column.name for column in fields(record_type)]  # type: ignore[arg-type]
         with output_errors(self.path):
-            self._file = open(self.path, "wb", buffering=0)
-        self._write([self._columns])
+            self._file = open(self.path, "wb" if size is None else "r+b", buffering=0)
+        if size is None:
+            self._write([self._columns])
+            return
+        kept = self._file.read(size)
+        if len(kept) < size or not kept.startswith(f"{','.join(self._columns)}\n".encode()):
+            self._file.close()
+            raise OutputError(f"{self.path} is not the table that it was: rows or columns are missing")
+        self.rewind(size)
 
     @property
     def size(self) -> int:

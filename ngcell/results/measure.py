@@ -49,6 +49,17 @@ class Scene:
     travel: Array
 
 
+@dataclass(frozen=True)
+class WorkPoint:
+    """What the work from one accepted step to the next is reckoned from; see `Measurement`."""
+
+    load_factor: float
+    load_share: float
+    energy: float
+    support_work_rate: float
+    load_potential: float
+
+
 @dataclass(frozen=True, eq=False)
 class Measurement:
     """Numbers of one accepted step; gaps open > 0, forces of the moved support on the tissue.
@@ -93,6 +104,13 @@ class Measurement:
     certificate: Certificate
     reaction: Array
 
+    @property
+    def work(self) -> WorkPoint:
+        """What the work to the next step is reckoned from."""
+        return WorkPoint(
+            self.load_factor, self.load_share, self.energy, self.support_work_rate, self.load_potential
+        )
+
     def opened_share(self, facing: FacingWalls, thickness: float) -> float:
         """Return the share of the facing wall length that is open, in [0, 1]."""
         is_open = self.gap > OPEN * thickness
@@ -106,7 +124,7 @@ def measure(
     *,
     load_factor: float,
     tether_force: Array,
-    before: Measurement | None,
+    before: WorkPoint | None,
 ) -> Measurement:
     """Measure an accepted step.
 
@@ -122,7 +140,7 @@ def measure(
         In [0, 1].
     tether_force : array of float, shape (unknowns,)
         Nodal forces that the tether exerts on the bodies [stress * length].
-    before : Measurement, optional
+    before : WorkPoint, optional
         The accepted step before, of the same phase.
     """
     displacement = assembly.expand(state.displacement)
@@ -197,7 +215,7 @@ def parted_pairs(scene: Scene, measured: Measurement, thickness: float) -> NDArr
 
 
 def _surplus_of_work(
-    before: Measurement | None,
+    before: WorkPoint | None,
     load_factor: float,
     load_share: float,
     energy: float,

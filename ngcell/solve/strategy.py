@@ -9,6 +9,8 @@ levels before it.
 computed. Where the load determines no carried field, the state before is the anchor, and the walk is incremental.
 
 A step that fails is halved, at most `MOST_HALVINGS` times.
+
+A walk may be taken up after any number of accepted steps, from the last displacement of the phase that leads it.
 """
 
 from __future__ import annotations
@@ -140,23 +142,51 @@ def compact_then_released(
     *,
     steps: Sequence[float],
     levels: Sequence[float],
+    done: int = 0,
+    last_compact: Array | None = None,
 ) -> Iterator[Accepted]:
     """Yield the compact state of every step, and after it, at the levels, the released state.
+
+    Parameters
+    ----------
+    compact : Minimiser
+        The compact solid.
+    released : Released
+        The released walls.
+    motion : Motion
+        The prescribed motion.
+    steps, levels : sequence of float
+        Load factors, increasing; the levels are among the steps.
+    done : int
+        Number of accepted steps to go on after.
+    last_compact : array of float, shape (unknowns,), optional
+        The last compact displacement among these [length].
 
     Raises
     ------
     StepFailed
         If a step finds no equilibrium.
     """
-    load, displacement = 0.0, motion.carried(0.0)
-    for target in steps:
-        step = _compact_step(compact, motion, displacement, load, target, released.loads)
-        load, displacement = target, step.minimum.state.displacement
-        yield step
-        if any(np.isclose(target, level) for level in levels):
+    schedule = list(_schedule(steps, levels))
+    load = schedule[done - 1][1] if done else 0.0
+    displacement = motion.carried(0.0) if last_compact is None else last_compact
+    for phase, target in schedule[done:]:
+        if phase == "compact":
+            step = _compact_step(compact, motion, displacement, load, target, released.loads)
+            load, displacement = target, step.minimum.state.displacement
+            yield step
+        else:
             start = compact.problem.expand(displacement)
             anchor = motion.carried(target) if motion.has_carried_field else start
             yield released.step(start, anchor, target)
+
+
+def _schedule(steps: Sequence[float], levels: Sequence[float]) -> Iterator[tuple[str, float]]:
+    """Yield phase and load factor of every step."""
+    for target in steps:
+        yield "compact", target
+        if any(np.isclose(target, level) for level in levels):
+            yield "contact", target
 
 
 def _compact_step(
@@ -190,16 +220,21 @@ def single_step(
     motion: Motion,
     *,
     steps: Sequence[float],
+    done: int = 0,
+    last: Array | None = None,
 ) -> Iterator[Accepted]:
-    """Yield the equilibrium with contact of every step.
+    """Yield the equilibrium with contact of every step, from the one after those that are `done`.
+
+    `last` is the displacement of the last of these [length], shape (unknowns,).
 
     Raises
     ------
     StepFailed
         If a step finds no equilibrium.
     """
-    load, displacement = 0.0, motion.carried(0.0)
-    for target in steps:
+    load = steps[done - 1] if done else 0.0
+    displacement = motion.carried(0.0) if last is None else last
+    for target in steps[done:]:
         if motion.has_carried_field:
             anchor = motion.carried(target)
             step = released.step(anchor, anchor, target)

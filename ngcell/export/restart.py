@@ -1,0 +1,106 @@
+"""What a stopped run goes on from: one small file, replaced in one move when a step is on disk.
+
+It says how long the tables were then, and which snapshots there were. What was written after it belongs to a step
+that is not known in full; a resumed run cuts it off and computes that step again.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ngcell.errors import OutputError
+from ngcell.export.atomic import replace_file
+from ngcell.results.report import StepReport
+
+RESTART = "restart.npz"
+_NOTES = "notes"
+_STANDING = "standing_"
+
+
+@dataclass(frozen=True, eq=False)
+class Restart:
+    """What a stopped run goes on from.
+
+    Attributes
+    ----------
+    case_text : str
+        The resolved case.
+    standing : mapping of str to array
+        Where the walk stands: what the next step depends on.
+    reports : tuple of StepReport
+        The accepted steps.
+    table_sizes : mapping of str to int
+        Length of each table, by file name [byte].
+    snapshots : tuple of (int, float, float)
+        Step, load factor and plate displacement of each snapshot.
+    """
+
+    case_text: str
+    standing: Mapping[str, NDArray[Any]]
+    reports: tuple[StepReport, ...]
+    table_sizes: Mapping[str, int]
+    snapshots: tuple[tuple[int, float, float], ...]
+
+
+def write_restart(folder: Path, restart: Restart) -> None:
+    """Replace the restart file of `folder` in one move.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written; the one before is kept.
+    """
+    notes = {
+        "case_text": restart.case_text,
+        "reports": [report.plain() for report in restart.reports],
+        "table_sizes": dict(restart.table_sizes),
+        "snapshots": restart.snapshots,
+    }
+    content = io.BytesIO()
+    arrays = {f"{_STANDING}{name}": values for name, values in restart.standing.items()}
+    np.savez(content, **{_NOTES: np.frombuffer(json.dumps(notes).encode(), dtype=np.uint8)}, **arrays)
+    replace_file(Path(folder) / RESTART, content.getvalue())
+
+
+def read_restart(folder: Path) -> Restart:
+    """Read the restart file of `folder`.
+
+    Raises
+    ------
+    OutputError
+        If there is none, or it is damaged.
+    """
+    path = Path(folder) / RESTART
+    try:
+        with np.load(path, allow_pickle=False) as content:
+            notes = json.loads(content[_NOTES].tobytes())
+            standing = {
+                name.removeprefix(_STANDING): content[name] for name in content if name.startswith(_STANDING)
+            }
+        return Restart(
+            case_text=notes["case_text"],
+            standing=standing,
+            reports=tuple(StepReport.from_plain(report) for report in notes["reports"]),
+            table_sizes=notes["table_sizes"],
+            snapshots=tuple((int(step), float(load), float(far)) for step, load, far in notes["snapshots"]),
+        )
+    except OSError as error:
+        raise cannot_resume(folder, f"{RESTART} cannot be read ({error.strerror or error})") from error
+    except (zipfile.BadZipFile, ValueError, KeyError, TypeError, AttributeError, EOFError) as error:
+        raise cannot_resume(folder, f"{RESTART} is damaged ({error})") from error
+
+
+def cannot_resume(folder: Path, reason: str) -> OutputError:
+    """Return the error that says so, and what to do instead."""
+    return OutputError(
+        f"cannot resume {folder}: {reason}; start again with: ngcell solve {folder}/case.toml --out {folder}"
+    )

@@ -1,0 +1,232 @@
+"""A run that was stopped after any step goes on from its folder and ends with the numbers of one that was not."""
+
+from __future__ import annotations
+
+import csv
+import json
+import shutil
+import signal
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+import pyvista
+from click.testing import CliRunner, Result
+
+import ngcell
+from ngcell.cli import ngcell as command
+from ngcell.errors import OutputError
+from ngcell.run import resume
+
+TISSUE = ["tissue.rows=2", "tissue.cols=2", "mesh.order=2", "load.displacement=[0.3, 0.0]", "load.levels=[0.4, 1.0]"]
+#: Cases, their settings and their number of accepted steps.
+RUNS = {
+    "sddp": ("shear-empty-3x3", [*TISSUE, "strategy.steps=4"], 6),
+    "single-step": ("shear-empty-3x3", [*TISSUE, 'strategy.kind="single-step"', 'contact.kind="mortar"'], 2),
+    "incremental": ("parting-rings", ["steps=4"], 4),
+}
+
+
+def ngcell_command(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, "-m", "ngcell", *arguments], capture_output=True, text=True)
+
+
+def solve(*arguments: str) -> Result:
+    return CliRunner().invoke(command, ["solve", *arguments])
+
+
+def kill_after(kind: str, steps: int, out: Path) -> None:
+    """Run a case in a process that kills itself, unprepared, just after a step is on disk."""
+    program = (
+        "import os, signal, sys\n"
+        "from ngcell import read_case, record\n"
+        "out, steps, case, *sets = sys.argv[1:]\n"
+        "for step in record(read_case(case, sets), out):\n"
+        "    if step.step + 1 == int(steps):\n"
+        "        os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    case, sets, _ = RUNS[kind]
+    killed = subprocess.run([sys.executable, "-c", program, str(out), str(steps), case, *sets])
+    assert killed.returncode == -signal.SIGKILL
+
+
+def rows(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def fields(folder: Path) -> list[tuple[float, dict[str, np.ndarray]]]:
+    """Return time and fields of all snapshots."""
+    reader, found = pyvista.get_reader(folder / "tissue.pvd"), []
+    for time in reader.time_values:
+        reader.set_active_time_value(time)
+        for part, block in enumerate(reader.read()):
+            found.append((time, {f"{part} {name}": np.array(block.point_data[name]) for name in block.point_data}))
+    return found
+
+
+def assert_same_numbers(mine: list[dict[str, str]], meant: list[dict[str, str]]) -> None:
+    assert len(mine) == len(meant)
+    for one, two in zip(mine, meant, strict=True):
+        for column in two.keys() - {"seconds"}:
+            try:
+                assert float(one[column]) == pytest.approx(float(two[column]), rel=1e-10, abs=1e-11), column
+            except ValueError:
+                assert one[column] == two[column]
+
+
+def assert_same_result(mine: Path, meant: Path) -> None:
+    for table in ("history.csv", "walls.csv"):
+        assert_same_numbers(rows(mine / table), rows(meant / table))
+    for (time, values), (meant_time, meant_values) in zip(fields(mine), fields(meant), strict=True):
+        assert time == meant_time
+        for name, field in meant_values.items():
+            size = np.nanmax(np.abs(field), initial=1e-3)
+            np.testing.assert_allclose(values[name], field, rtol=0, atol=1e-10 * size, err_msg=name)
+    one, two = (json.loads((folder / "summary.json").read_text()) for folder in (mine, meant))
+    for key in two.keys() - {"seconds", "last_step", "certificate", "expected"}:
+        assert one[key] == two[key], key
+    for key in ("expected", "certificate"):
+        assert len(one[key]) == len(two[key])
+    for mine_found, meant_found in zip(one["expected"], two["expected"], strict=True):
+        assert mine_found["measured"] == pytest.approx(meant_found["measured"], rel=1e-10)
+    assert {path.name for path in mine.iterdir()} == {path.name for path in meant.iterdir()}
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run that was not stopped, and copies of its folder as they were when each step had been accepted."""
+
+    whole: Path
+    stopped: list[Path]
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Run]:
+    return {kind: watched_run(kind, tmp_path_factory.mktemp(kind)) for kind in RUNS}
+
+
+def watched_run(kind: str, folder: Path) -> Run:
+    case, sets, _ = RUNS[kind]
+    whole, stopped = folder / "whole", []
+    recording = ngcell.record(ngcell.read_case(case, sets), whole)
+    for record in recording:
+        stopped.append(Path(shutil.copytree(whole, folder / str(record.step))))
+    assert recording.certified
+    return Run(whole, stopped)
+
+
+@pytest.mark.parametrize(
+    ("kind", "steps"), [(kind, steps) for kind, (*_, count) in RUNS.items() for steps in range(1, count + 1)]
+)
+def test_a_run_stopped_after_any_step_ends_with_the_same_numbers(runs, kind, steps):
+    out = runs[kind].stopped[steps - 1]
+    assert len(rows(out / "history.csv")) == steps
+    rest = [record.step for record in resume(out)]
+    assert rest == list(range(steps, RUNS[kind][2]))
+    assert_same_result(out, runs[kind].whole)
+
+
+@pytest.fixture(scope="module")
+def killed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("killed") / "out"
+    kill_after("sddp", 3, out)
+    return out
+
+
+@pytest.fixture
+def whole(runs: dict[str, Run]) -> dict[str, Path]:
+    return {kind: run.whole for kind, run in runs.items()}
+
+
+@pytest.fixture
+def stopped(killed: Path, tmp_path: Path) -> Path:
+    """A folder of a killed run that may be spoilt."""
+    return Path(shutil.copytree(killed, tmp_path / "out"))
+
+
+def test_the_command_line_resumes(whole, stopped):
+    answer = ngcell_command("solve", "--resume", str(stopped))
+    assert answer.returncode == 0, answer.stderr
+    assert "certificate  passed" in answer.stdout
+    assert answer.stderr.startswith("step   3")
+    assert_same_result(stopped, whole["sddp"])
+
+
+def test_what_a_kill_left_half_written_is_computed_again(whole, stopped):
+    for table in ("history.csv", "walls.csv"):
+        with (stopped / table).open("a") as file:
+            file.write("3,contact,0.3")
+    (stopped / "tissue_0001.vtu").write_bytes(b"half a file")
+    list(resume(stopped))
+    assert_same_result(stopped, whole["sddp"])
+
+
+def test_a_run_killed_before_its_first_step_starts_anew(whole, stopped):
+    kept = {name: (stopped / name).read_bytes() for name in ("case.toml", "summary.json")}
+    for path in stopped.iterdir():
+        path.unlink()
+    (stopped / "case.toml").write_bytes(kept["case.toml"])
+    note = json.loads(kept["summary.json"]) | {"accepted_steps": 0}
+    (stopped / "summary.json").write_text(json.dumps(note))
+    assert len(list(resume(stopped))) == RUNS["sddp"][2]
+
+
+def test_resuming_an_ended_run_says_so(whole):
+    before = {path.name: path.read_bytes() for path in whole["sddp"].iterdir()}
+    answer = ngcell_command("solve", "--resume", str(whole["sddp"]))
+    assert answer.returncode == 0
+    assert answer.stdout.splitlines() == [
+        f"nothing to resume: the run in {whole['sddp']} has ended (converged and certified)"
+    ]
+    assert {path.name: path.read_bytes() for path in whole["sddp"].iterdir()} == before
+    with pytest.raises(OutputError, match="needs no resuming"):
+        resume(whole["sddp"])
+
+
+def cut(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[:-200])
+
+
+DAMAGE = {
+    "no restart file": lambda folder: (folder / "restart.npz").unlink(),
+    "half a restart file": lambda folder: cut(folder / "restart.npz"),
+    "a restart file of nothing": lambda folder: (folder / "restart.npz").write_bytes(b""),
+    "no history": lambda folder: (folder / "history.csv").unlink(),
+    "a cut history": lambda folder: cut(folder / "history.csv"),
+    "no snapshot": lambda folder: (folder / "tissue_0000.vtu").unlink(),
+    "no case": lambda folder: (folder / "case.toml").unlink(),
+    "another case": lambda folder: (folder / "case.toml").write_text(
+        (folder / "case.toml").read_text().replace("wall = 0.1", "wall = 0.2")
+    ),
+    "a case that is none": lambda folder: (folder / "case.toml").write_text("tissue"),
+    "no summary": lambda folder: (folder / "summary.json").unlink(),
+    "a summary that is none": lambda folder: (folder / "summary.json").write_text("{"),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGE.values(), ids=DAMAGE)
+def test_a_damaged_folder_is_told_in_one_line(stopped, damage):
+    damage(stopped)
+    answer = solve("--resume", str(stopped))
+    assert answer.exit_code == 4
+    assert answer.stdout == ""
+    (line,) = answer.stderr.splitlines()
+    assert str(stopped) in line
+
+
+@pytest.mark.parametrize("more", [("shear-empty",), ("--set", "tissue.wall=0.2"), ("--out", "elsewhere")])
+def test_the_case_and_the_folder_come_from_what_is_resumed(stopped, more):
+    assert solve("--resume", str(stopped), *more).exit_code == 2
+
+
+def test_something_to_solve_is_asked_for():
+    assert solve().exit_code == 2
+    assert solve("--resume", "/nowhere").exit_code == 2
+
+
+def test_resume_is_a_name_of_the_package():
+    assert ngcell.resume is resume
