@@ -14,13 +14,14 @@ reported.
 
 Numbers: the scale of the strength is shear modulus over cell size squared, which makes the walk independent of units.
 At ``FIRST`` the tether outweighs everything but the wall's own stiffness, at ``LAST`` it is below every stiffness but
-that of floating cells; in between it falls by `RATIO` from step to step.
+that of floating cells. In between it falls by `NARROWEST` decades from step to step, and by more where no wall closes or
+opens: a tether that falls faster leaves the path where cells come free, and ends on another equilibrium.
 """
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -32,12 +33,14 @@ Array = NDArray[np.float64]
 
 _log = logging.getLogger(__name__)
 
-FIRST, LAST, RATIO = 1e3, 1e-7, 10.0
+FIRST, LAST = 1e3, 1e-7
+#: Decades by which the tether falls from one minimisation to the next, at least and at most.
+NARROWEST, WIDEST = 0.25, 1.0
 #: Strength, in units of the scale, at which contact stiffens: walls have found their partners there, and floating cells
 #: are still held well enough to follow.
 STIFFEN_AT = 1e-5
 #: Decrement at which a minimisation along the path, and the last one, ends: shares of the tether's energy.
-ON_THE_WAY, AT_THE_END = 1e-2, 1e-10
+ON_THE_WAY, AT_THE_END = 1.0, 1e-10
 #: Decrement at which a minimisation between updates of contact pressures ends: share of the energy that stands for what
 #: conditions are missed by.
 UPDATE = 0.1
@@ -57,20 +60,16 @@ class Release:
     ----------
     scale : float
         Shear modulus over squared size of a body [stress / length**2].
-    first, last, ratio : float
-        Strength at the start and at the end in units of `scale`, and the factor between steps.
+    first, last : float
+        Strength at the start and at the end in units of `scale`.
+    narrowest : float
+        Decades by which the strength falls where walls close or open.
     """
 
     scale: float
     first: float = FIRST
     last: float = LAST
-    ratio: float = RATIO
-
-    def strengths(self) -> Iterator[float]:
-        """Yield the strengths from first to last [stress / length**2]."""
-        steps = max(1, int(np.ceil(np.log(self.first / self.last) / np.log(self.ratio) - 1e-9)))
-        for step in range(steps + 1):
-            yield self.scale * self.first * (self.last / self.first) ** (step / steps)
+    narrowest: float = NARROWEST
 
     def select(
         self, apart: Minimiser, minimisers: Sequence[Minimiser], start: Array, anchor: Array
@@ -87,41 +86,55 @@ class Release:
         start, anchor : array of float, shape (unknowns,)
             Where the walk starts and where the tether pulls to [length].
         """
-        *strengths, last = self.strengths()
-        limit = STIFFEN_AT * self.scale * (1 - 1e-9)
-        strong = [strength for strength in strengths if strength >= limit] or strengths[:1]
         # Down to round-off, so that whatever the start, the walk goes on from the same place.
-        before, missed = minimisers[0], 0.0
-        walk = [(apart, strengths[0], 0.0)]
-        walk += [(minimisers[0], strength, ON_THE_WAY) for strength in strong]
-        walk += [(minimiser, strong[-1], ON_THE_WAY) for minimiser in minimisers[1:]]
-        walk += [(minimisers[-1], strength, ON_THE_WAY) for strength in strengths[len(strong) :]]
-        walk += [(minimisers[-1], last, AT_THE_END)]
-        place, minimum = start, None
-        for minimiser, strength, share in walk:
-            tether = Tether(strength, anchor)
-            if minimum is not None and minimiser not in (apart, before):
-                minimiser.problem.follow(before.problem, minimum.state)
-                before = minimiser
-            minimum = _minimise(minimiser, place, tether, share, strength / self.scale, UPDATE * missed)
-            if minimum.ending is not Ending.CONVERGED:
-                return minimum
+        strength, decades = self.first, self.narrowest
+        minimum, _ = self._minimise(apart, start, anchor, strength, 0.0)
+        rest, missed = list(minimisers), 0.0
+        while minimum.ending is Ending.CONVERGED:
+            minimiser, is_end = rest[0], len(rest) == 1 and strength <= self.last
+            share = AT_THE_END if is_end else ON_THE_WAY
             place = minimum.state.displacement
-            if minimiser is minimisers[-1] and share is not AT_THE_END:
+            minimum, factorisations = self._minimise(minimiser, place, anchor, strength, share, UPDATE * missed)
+            if minimum.ending is not Ending.CONVERGED:
+                break
+            if is_end:
+                return _until_conditions_hold(minimiser, minimum, self.last_tether(anchor), self.last)
+            if len(rest) == 1:
                 _, missed = minimiser.problem.improve(minimum.state)
-        return _until_conditions_hold(minimiser, minimum, Tether(strength, anchor), strength / self.scale)
+            elif strength <= max(STIFFEN_AT, self.last):
+                rest.pop(0)
+                rest[0].problem.follow(minimiser.problem, minimum.state)
+                continue
+            # Longer and longer strides while no wall closes or opens.
+            decades = min(2 * decades, WIDEST) if factorisations <= 1 else self.narrowest
+            milestone = max(STIFFEN_AT, self.last) if len(rest) > 1 else self.last
+            strength = max(strength / 10**decades, milestone)
+        return minimum
+
+    def last_tether(self, anchor: Array) -> Tether:
+        """Return the tether at the path's end."""
+        return Tether(self.scale * self.last, anchor)
+
+    def _minimise(
+        self, minimiser: Minimiser, start: Array, anchor: Array, strength: float, share: float, enough: float = 0.0
+    ) -> tuple[Minimum, int]:
+        """Return the minimum under a tether of this strength, in units of the scale, and the factorisations it took."""
+        before = minimiser.effort.factorisations
+        minimum = _minimise(minimiser, start, Tether(self.scale * strength, anchor), share, strength, enough)
+        return minimum, minimiser.effort.factorisations - before
 
 
 def _until_conditions_hold(minimiser: Minimiser, minimum: Minimum, tether: Tether, name: float) -> Minimum:
     """Improve and minimise in turn until there is nothing left to improve."""
-    before = float("inf")
+    before, was_hastened = float("inf"), False
     for _ in range(MOST_UPDATES):
         missed, energy = minimiser.problem.improve(minimum.state)
-        helpless = missed > before / 2 and energy <= NOTHING * abs(minimum.state.energy)
+        helpless = was_hastened and missed > before / 2 and energy <= NOTHING * abs(minimum.state.energy)
         if missed <= CONDITION * minimiser.longest_step or helpless:
             return minimum
         _log.info("conditions missed by %.1e", missed)
-        if missed > SLOW * before:
+        was_hastened = missed > SLOW * before
+        if was_hastened:
             minimiser.problem.hasten()
         before = missed
         minimum = _minimise(minimiser, minimum.state.displacement, tether, AT_THE_END, name, UPDATE * energy)

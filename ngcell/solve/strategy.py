@@ -131,7 +131,7 @@ class Released:
         minimum = self.path.select(self.apart, self.minimisers, start, anchor)
         if minimum.ending is not Ending.CONVERGED:
             raise StepFailed(Outcome.RELEASE_FAILED, load)
-        tether = Tether(list(self.path.strengths())[-1], anchor)
+        tether = self.path.last_tether(anchor)
         return Accepted("contact", load, minimum, tether, self.effort - before)
 
 
