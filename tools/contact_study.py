@@ -144,8 +144,8 @@ def scene(run: Run) -> Any:
     material, stiffness = MooneyRivlin(c1=C1, c2=C2, bulk_modulus=KAPPA), METHODS[run.method]
     outer_size = MISMATCH * run.size
     bodies = [
-        Body(quarter(0.5, 1.0, "inner", run.size), material, "inner"),
-        Body(quarter(bore, rim, "outer", outer_size), material, "outer"),
+        Body(quarter(0.5, 1.0, "inner", run.size), material, "inner", ("inner-x", "inner-y")),
+        Body(quarter(bore, rim, "outer", outer_size), material, "outer", ("outer-x", "outer-y")),
     ]
     supports = []
     if pulled is not None:
