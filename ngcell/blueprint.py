@@ -7,17 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.geometry.bodies import BodyMesh
+from ngcell.geometry.bodies import LUMEN, BodyMesh
 from ngcell.geometry.drawn import drawn_face
 from ngcell.geometry.shapes import check_boundaries, mesh_shapes
 from ngcell.geometry.tissue import tissue_mesh
 from ngcell.mechanics.filling import cell_pressures
+from ngcell.mechanics.fluid import LumenFluids
 from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
 from ngcell.mechanics.loading import moved_region, plate_travel, prescribed_motion
 from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
-from ngcell.scene import Body, BodyCase, BodyScene, Case, CellPressure, Inclusion, MooneyRivlin, Sddp
+from ngcell.scene import Body, BodyCase, BodyScene, Case, CellPressure, Fluid, Inclusion, MooneyRivlin, Sddp
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +45,10 @@ class Blueprint:
         What pushes and pulls besides the supports.
     filling : MooneyRivlinLaw, optional
         Law of what fills the lumens.
+    fluid : LumenFluids, optional
+        Fluids in the lumens.
+    cell_pressure : array of float, shape (bodies,), optional
+        Pressures that cells are under at load factor 1 [stress].
     """
 
     bodies: BodyMesh
@@ -55,6 +60,8 @@ class Blueprint:
     compact_first: bool
     loads: BoundaryLoads | None = None
     filling: MooneyRivlinLaw | None = None
+    fluid: LumenFluids | None = None
+    cell_pressure: NDArray[np.float64] | None = None
 
 
 def draw_up(scene: Case | BodyCase | BodyScene) -> Blueprint:
@@ -88,6 +95,14 @@ def _tissue_blueprint(case: Case) -> Blueprint:
         compact_first=isinstance(case.strategy, Sddp),
         loads=loads,
         filling=_law(lumen.material) if isinstance(lumen, Inclusion) else None,
+        cell_pressure=pressures.pressure if pressures else None,
+        fluid=_fluids(space, lumen, case.material) if isinstance(lumen, Fluid) else None,
+    )
+
+
+def _fluids(space: DisplacementSpace, lumen: Fluid, wall: MooneyRivlin) -> LumenFluids:
+    return LumenFluids(
+        space, LUMEN, modulus=wall.c1 + wall.c2, fill=lumen.fill, in_full=lumen.ramp == "first"
     )
 
 

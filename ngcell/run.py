@@ -103,6 +103,7 @@ class Recording:
                                 step.record,
                                 step.walls,
                                 step.snapshot,
+                                step.cells,
                                 report=step.report,
                                 standing=step.standing.arrays(),
                             )
@@ -255,6 +256,7 @@ def _summary(
             for step in steps
             if step.record.phase == "contact" and step.unstored_work != 0
         },
+        "debonding": next((step.debonding for step in reversed(steps) if step.debonding), {}),
         "onset_of_growth": _onset(simulation, steps),
         "iterations": sum(step.record.iterations for step in steps),
         "factorisations": sum(step.record.factorisations for step in steps),

@@ -19,14 +19,17 @@ from ngcell.clock import Clock
 from ngcell.contact.assembly import Assembly
 from ngcell.contact.choice import contact_ladder
 from ngcell.contact.facing import find_facing
-from ngcell.contact.tie import tie_walls
+from ngcell.contact.method import ContactMethod
+from ngcell.contact.tie import Tie, tie_walls
 from ngcell.contact.walls import find_walls
 from ngcell.mechanics.bulk import BulkEnergy
+from ngcell.results.cells import cell_pressures, cell_records, debonding, find_clumps
 from ngcell.results.fields import take_snapshot
 from ngcell.results.finding import Finding, compare
-from ngcell.results.measure import Measurement, Scene, WorkPoint, measure, parted_pairs, wall_records
+from ngcell.results.measure import Measurement, Scene, WorkPoint, measure, pair_gaps, parted_pairs, wall_records
+from ngcell.results.onset import PairOnsets
 from ngcell.results.quantities import View
-from ngcell.results.record import StepRecord, WallRecord
+from ngcell.results.record import CellRecord, StepRecord, WallRecord
 from ngcell.results.report import StepReport
 from ngcell.results.snapshot import Snapshot
 from ngcell.results.surface import wall_fields
@@ -53,6 +56,8 @@ class Step:
         The row of the history.
     walls : list of WallRecord
         A row a facing pair; empty in compact steps.
+    cells : list of CellRecord
+        A row a cell; empty in compact steps.
     measurement : Measurement
         The numbers behind them.
     displacement : array of float, shape (unknowns,)
@@ -67,6 +72,7 @@ class Step:
 
     record: StepRecord
     walls: list[WallRecord]
+    cells: list[CellRecord]
     measurement: Measurement
     displacement: NDArray[np.float64]
     snapshot: Snapshot | None
@@ -78,7 +84,12 @@ class Step:
         """What the summary needs to know of it."""
         measured = self.measurement
         return StepReport(
-            self.record, measured.certificate, tuple(self.findings), measured.free_bodies, measured.unstored_work
+            self.record,
+            measured.certificate,
+            tuple(self.findings),
+            measured.free_bodies,
+            measured.unstored_work,
+            debonding(self.walls, self.cells),
         )
 
 
@@ -117,7 +128,7 @@ class Simulation:
     @cached_property
     def compact(self) -> Assembly:
         """The tissue as one compact solid."""
-        return Assembly(self.space, self.bulk, self.motion.fixed, tie=tie_walls(self.walls, self.space.size))
+        return self._assembly(tie=tie_walls(self.walls, self.space.size))
 
     @property
     def released(self) -> Assembly:
@@ -129,7 +140,11 @@ class Simulation:
         """The released tissue, from the contact that the release is walked with to the one that is meant."""
         moduli = np.array([law.plane_strain_modulus for law in self.bulk.laws])
         methods = contact_ladder(self._contact, self.walls, moduli, reach=2 * self.longest_step)
-        return tuple(Assembly(self.space, self.bulk, self.motion.fixed, contact=method) for method in methods)
+        return tuple(self._assembly(contact=method) for method in methods)
+
+    def _assembly(self, *, contact: ContactMethod | None = None, tie: Tie | None = None) -> Assembly:
+        fluid = self.blueprint.fluid
+        return Assembly(self.space, self.bulk, self.motion.fixed, contact=contact, tie=tie, fluid=fluid)
 
     def walk(self, standing: Standing | None = None) -> Iterator[Step]:
         """Yield the accepted steps, or those that follow where an earlier walk stood.
@@ -148,6 +163,7 @@ class Simulation:
                 # Terms with a memory hand it over here, and take it up again from `standing.memory` at the start.
                 standing = standing.after(accepted.phase, displacement, measurement.work)
                 step = self._step(number, accepted, measurement, perf_counter() - started, standing)
+                standing = step.standing
             yield step
             started = perf_counter()
 
@@ -168,10 +184,10 @@ class Simulation:
     def _released(self) -> Released:
         minimisers = [self._minimiser(assembly, self.longest_step) for assembly in self._ladder]
         shear_modulus = max(law.shear_modulus for law in self.bulk.laws)
-        apart = self._minimiser(Assembly(self.space, self.bulk, self.motion.fixed), self.longest_step)
+        apart = self._minimiser(self._assembly(), self.longest_step)
         scale = shear_modulus / self.bodies.length**2
         path = Release(scale, first=_FIRST_OVERLAPPING) if self._overlaps_at_rest else Release(scale)
-        return Released(apart, tuple(minimisers), path, self.blueprint.loads)
+        return Released(apart, tuple(minimisers), path, self.blueprint.loads or self.blueprint.fluid)
 
     @property
     def _overlaps_at_rest(self) -> bool:
@@ -198,8 +214,8 @@ class Simulation:
         assembly = self.compact if accepted.phase == "compact" else self.released
         state, tether = accepted.minimum.state, accepted.tether
         force = tether.strength * (assembly.mass @ (tether.anchor - state.displacement))
-        # The solver's energy holds the loads' potential; what is reported as energy is what is stored.
-        state = replace(state, energy=state.energy - self.bulk.load_potential(state.displacement))
+        # The solver's energy holds potentials of loads and fluids; what is reported as energy is what is stored.
+        state = replace(state, energy=state.energy - assembly.potential(state.displacement))
         return measure(
             self.scene,
             assembly,
@@ -209,6 +225,13 @@ class Simulation:
             before=before,
         )
 
+    def _cell_pressure(
+        self, assembly: Assembly, displacement: NDArray[np.float64], measured: Measurement
+    ) -> NDArray[np.float64] | None:
+        given = self.blueprint.cell_pressure
+        given = None if given is None else measured.load_share * given
+        return cell_pressures(assembly, displacement, given)
+
     def _step(
         self, number: int, accepted: Accepted, measured: Measurement, seconds: float, standing: Standing
     ) -> Step:
@@ -217,9 +240,9 @@ class Simulation:
         is_contact = accepted.phase == "contact"
         is_level = any(np.isclose(accepted.load_factor, level) for level in self.levels)
         travelled = accepted.load_factor * float(np.linalg.norm(self.scene.travel))
-        rows = wall_records(self.scene, measured, number, thickness) if is_contact and is_level else []
         displacement = assembly.expand(accepted.minimum.state.displacement)
         total = facing.weight.sum()
+        clumps = find_clumps(assembly, measured)
         record = StepRecord(
             step=number,
             phase=accepted.phase,
@@ -230,6 +253,8 @@ class Simulation:
             smallest_gap=float(measured.gap.min(initial=0.0)),
             parted_pairs=int(parted_pairs(self.scene, measured, thickness).sum()),
             opened_share=measured.opened_share(facing, thickness),
+            clumps=len(clumps.sizes),
+            largest_clump=int(clumps.sizes.max()),
             plate_force_x=float(measured.plate_force[0]),
             plate_force_y=float(measured.plate_force[1]),
             contact_force=measured.forces.total,
@@ -239,8 +264,14 @@ class Simulation:
             seconds=seconds,
             certified=measured.certificate.passed,
         )
-        snapshot, findings = None, []
+        snapshot, findings, wall_rows, cell_rows = None, [], [], []
         if is_level and is_contact:
+            held = self._cell_pressure(assembly, displacement, measured)
+            before = standing.onsets or PairOnsets.closed(len(facing.pairs))
+            onsets = before.after(travelled, pair_gaps(facing, measured), thickness)
+            standing = replace(standing, onsets=onsets)
+            wall_rows = wall_records(self.scene, measured, number, thickness, onsets.onset)
+            cell_rows = cell_records(clumps, measured, number, travelled, held)
             view = View(assembly, accepted.minimum.state, self.motion, measured.reaction)
             findings = list(compare(self._expected, record, view, self.levels[-1]))
             gap, pressure = wall_fields(self.walls, facing, assembly, accepted.minimum.state)
@@ -254,7 +285,8 @@ class Simulation:
                 gap=gap,
                 contact_pressure=pressure,
                 free_bodies=frozenset(measured.free_bodies),
+                cell_pressure=held,
             )
-        return Step(record, rows, measured, displacement, snapshot, findings, standing)
+        return Step(record, wall_rows, cell_rows, measured, displacement, snapshot, findings, standing)
 
 

@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.results.measure import WorkPoint
+from ngcell.results.onset import PairOnsets
 
 Array = NDArray[np.float64]
 
-_DISPLACEMENT, _WORK, _MEMORY, _COUNT = "displacement_", "work_", "memory_", "count"
+_DISPLACEMENT, _WORK, _MEMORY, _COUNT, _ONSETS = "displacement_", "work_", "memory_", "count", "onsets"
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,12 +35,15 @@ class Standing:
         Where the work to the next step of a phase is reckoned from.
     memory : mapping of str to array
         What terms of the energy remember.
+    onsets : PairOnsets, optional
+        Which wall pairs have opened, and where; None before the first level.
     """
 
     count: int = 0
     displacement: Mapping[str, Array] = field(default_factory=dict)
     work: Mapping[str, WorkPoint] = field(default_factory=dict)
     memory: Mapping[str, Array] = field(default_factory=dict)
+    onsets: PairOnsets | None = None
 
     def after(
         self, phase: str, displacement: Array, work: WorkPoint, memory: Mapping[str, Array] | None = None
@@ -60,6 +64,7 @@ class Standing:
             **{f"{_DISPLACEMENT}{phase}": values for phase, values in self.displacement.items()},
             **{f"{_WORK}{phase}": np.array(astuple(point)) for phase, point in self.work.items()},
             **{f"{_MEMORY}{name}": values for name, values in self.memory.items()},
+            **({} if self.onsets is None else {_ONSETS: self.onsets.array()}),
         }
 
     @classmethod
@@ -82,4 +87,5 @@ class Standing:
         if not sizes <= {unknowns}:
             raise ValueError(f"it holds {max(sizes)} unknowns where the case has {unknowns}")
         work = {phase: WorkPoint(*values.tolist()) for phase, values in part(_WORK).items()}
-        return cls(int(arrays[_COUNT]), displacement, work, part(_MEMORY))
+        onsets = PairOnsets.from_array(arrays[_ONSETS]) if _ONSETS in arrays else None
+        return cls(int(arrays[_COUNT]), displacement, work, part(_MEMORY), onsets)

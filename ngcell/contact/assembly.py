@@ -16,6 +16,7 @@ from scipy import sparse
 from ngcell.contact.method import ContactMethod, ContactSet
 from ngcell.contact.tie import Tie
 from ngcell.mechanics.bulk import BulkEnergy
+from ngcell.mechanics.fluid import LumenFluids
 from ngcell.mechanics.space import DisplacementSpace, csr_matrix
 
 Array = NDArray[np.float64]
@@ -85,6 +86,8 @@ class Assembly:
         Contact between walls; without it walls pass through each other.
     tie : Tie, optional
         Ties between walls.
+    fluid : LumenFluids, optional
+        Fluids in the lumens; by default there are none.
     """
 
     def __init__(
@@ -95,10 +98,12 @@ class Assembly:
         *,
         contact: ContactMethod | None = None,
         tie: Tie | None = None,
+        fluid: LumenFluids | None = None,
     ) -> None:
         self.space = space
         self.bulk = bulk
         self.contact = contact
+        self.fluid = fluid
         self._tie = _by_component(tie, space) if tie is not None else None
         self.fixed = fixed.ravel()
         self.free = ~self.fixed
@@ -123,6 +128,8 @@ class Assembly:
         """Return the state with this displacement."""
         full = self.expand(displacement)
         energy = self.bulk.energy(full)
+        if self.fluid is not None:
+            energy += self.fluid.energy(full)
         contact = None
         if self.contact is not None and np.isfinite(energy):
             positions = self.positions(full)
@@ -160,6 +167,12 @@ class Assembly:
         master, sign = self._tie
         return sign * displacement[master]
 
+    def potential(self, displacement: Array) -> float:
+        """Return what loads and fluids add to the energy of a state without being stored in it."""
+        full = self.expand(displacement)
+        in_fluids = 0.0 if self.fluid is None else self.fluid.energy(full)
+        return self.bulk.load_potential(full) + in_fluids
+
     def gather(self, force: Array) -> Array:
         """Return forces on all unknowns as forces on masters."""
         if self._tie is None:
@@ -185,7 +198,7 @@ class Assembly:
     def gradient(self, state: State) -> Array:
         """Return the gradient of the whole energy, shape (unknowns,)."""
         full = self.expand(state.displacement)
-        force = self.bulk.gradient(full)
+        force = self._bulk_force(full)
         if state.contact is not None:
             force += self.contact_force(state)
         return self.gather(force)
@@ -200,7 +213,7 @@ class Assembly:
     def linearise(self, state: State) -> Linearisation:
         """Return the second-order model about a state."""
         full = self.expand(state.displacement)
-        gradient = self.gather(self.bulk.gradient(full))
+        gradient = self.gather(self._bulk_force(full))
         stiffness = self._lower_stiffness(full)
         if state.contact is None:
             nothing = np.zeros(0)
@@ -226,6 +239,9 @@ class Assembly:
         column = matrix.indices.astype(np.int64)
         self._lower = row >= column
         row, column = row[self._lower], column[self._lower]
+        if self.fluid is not None:
+            in_fluid = self.fluid.pattern
+            row, column = np.concatenate([row, in_fluid[0]]), np.concatenate([column, in_fluid[1]])
         if self._tie is not None:
             master, sign = self._tie
             self._signs = sign[row] * sign[column]
@@ -253,21 +269,34 @@ class Assembly:
             self.contact.follow(other.contact, self.positions(state.displacement))
 
     def improve(self, state: State) -> tuple[float, float]:
-        """Let contact learn from an equilibrium; return the largest gap by which it misses conditions, and the energy
-        that stands for it."""
-        if self.contact is None or state.contact is None:
-            return 0.0, 0.0
-        return self.contact.improve(state.contact, self.positions(state.displacement))
+        """Let contact and fluids learn from an equilibrium; return the largest length by which they miss conditions,
+        and the energy that stands for it."""
+        missed, energy = 0.0, 0.0
+        if self.contact is not None and state.contact is not None:
+            missed, energy = self.contact.improve(state.contact, self.positions(state.displacement))
+        if self.fluid is not None:
+            off, stored = self.fluid.improve(self.expand(state.displacement))
+            missed, energy = max(missed, off), energy + stored
+        return missed, energy
 
     def hasten(self) -> None:
-        """Let contact learn faster."""
+        """Let contact and fluids learn faster."""
         if self.contact is not None:
             self.contact.hasten()
+        if self.fluid is not None:
+            self.fluid.hasten()
 
     def _lower_stiffness(self, displacement: Array) -> Array:
         _ = self.pattern
         values = np.asarray(self.bulk.tangent(displacement).CSR()[0])[self._lower]
+        if self.fluid is not None:
+            values = np.concatenate([values, self.fluid.tangent(displacement)])
         return values if self._tie is None else values * self._signs
+
+    def _bulk_force(self, displacement: Array) -> Array:
+        """Return the gradient of all but the contact energy."""
+        force = self.bulk.gradient(displacement)
+        return force if self.fluid is None else force + self.fluid.gradient(displacement)
 
     def positions(self, displacement: Array) -> Array:
         """Return deformed positions as unknowns, shape (dimension, size)."""

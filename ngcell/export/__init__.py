@@ -4,6 +4,7 @@ VTK, pyvista and matplotlib are imported inside the functions that need them, so
 """
 
 from ngcell.export.curves import draw_curves
+from ngcell.export.debonding import draw_debonding
 from ngcell.export.folder import ResultFolder
 from ngcell.export.picture import draw_tissue
 from ngcell.export.restart import Restart, cannot_resume, read_restart
@@ -19,6 +20,7 @@ __all__ = [
     "SnapshotSeries",
     "cannot_resume",
     "draw_curves",
+    "draw_debonding",
     "draw_tissue",
     "read_last_snapshot",
     "read_restart",

@@ -8,6 +8,7 @@ what it can be resumed from.
 
 from __future__ import annotations
 
+import csv
 import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -20,19 +21,22 @@ from numpy.typing import NDArray
 from ngcell.errors import OutputError
 from ngcell.export.atomic import output_errors, replace_file
 from ngcell.export.curves import draw_curves
+from ngcell.export.debonding import PairOnset, draw_debonding
 from ngcell.export.picture import draw_tissue
 from ngcell.export.restart import RESTART, Restart, cannot_resume, write_restart
 from ngcell.export.series import SnapshotSeries, read_last_snapshot
 from ngcell.export.summary import SUMMARY, read_summary, write_summary
 from ngcell.export.tables import RecordTable
-from ngcell.results.record import StepRecord, WallRecord
+from ngcell.results.record import CellRecord, StepRecord, WallRecord
 from ngcell.results.report import StepReport
 from ngcell.results.snapshot import Snapshot
 
 _PROGRAM = "ngcell"
+_TABLES = {"history.csv": StepRecord, "walls.csv": WallRecord, "cells.csv": CellRecord}
 _DRAFT = re.compile(r"\..+\.tmp")
 _OWNED = re.compile(
-    r"case\.toml|history\.csv|walls\.csv|restart\.npz|tissue\.pvd|(tissue|walls)_\d{4,}\.vtu|(tissue|gap)\.png|\..+\.tmp"
+    r"case\.toml|(history|walls|cells)\.csv|restart\.npz|tissue\.pvd|(tissue|walls)_\d{4,}\.vtu|"
+    r"(tissue|gap|debonding)\.png|\..+\.tmp"
 )
 
 
@@ -72,6 +76,7 @@ class ResultFolder:
         self._reports = list(restart.reports) if restart else []
         self._history = [report.record for report in self._reports]
         self._last: Snapshot | None = None
+        self._pairs: Sequence[PairOnset] = ()
         self._drawn = self._finished = False
 
     def __enter__(self) -> Self:
@@ -83,8 +88,9 @@ class ResultFolder:
         self._clear()
         if self._case_text is not None:
             replace_file(self.path / "case.toml", self._case_text.encode())
-        self._steps = RecordTable(self.path / "history.csv", StepRecord)
-        self._walls = RecordTable(self.path / "walls.csv", WallRecord)
+        self._steps, self._walls, self._cells = (
+            RecordTable(self.path / name, kind) for name, kind in _TABLES.items()
+        )
         self._series = SnapshotSeries(self.path)
         return self
 
@@ -96,10 +102,10 @@ class ResultFolder:
             if not (self.path / name).is_file():
                 raise cannot_resume(self.path, f"{name} is missing")
         try:
-            self._steps, self._walls = (
-                RecordTable(self.path / name, kind, size=restart.table_sizes[name])
-                for name, kind in (("history.csv", StepRecord), ("walls.csv", WallRecord))
+            self._steps, self._walls, self._cells = (
+                RecordTable(self.path / name, kind, size=restart.table_sizes[name]) for name, kind in _TABLES.items()
             )
+            self._pairs = _last_pairs(self.path / "walls.csv")
         except (OutputError, KeyError) as error:
             raise cannot_resume(self.path, str(error)) from error
         self._note("running")
@@ -109,6 +115,7 @@ class ResultFolder:
     ) -> None:
         self._steps.close()
         self._walls.close()
+        self._cells.close()
         if not self._finished:
             reason = str(error) or type(error).__name__ if error is not None else "not finished"
             with suppress(OutputError):  # the error that ends the run matters more than the note of it
@@ -119,11 +126,12 @@ class ResultFolder:
         record: StepRecord,
         walls: Sequence[WallRecord] = (),
         snapshot: Snapshot | None = None,
+        cells: Sequence[CellRecord] = (),
         *,
         report: StepReport | None = None,
         standing: Mapping[str, NDArray[Any]] | None = None,
     ) -> None:
-        """Put an accepted step on disk: its wall rows, its history row and, if given, its snapshot.
+        """Put an accepted step on disk: its rows of walls and cells, its history row and, if given, its snapshot.
 
         With `report`, what the summary will tell of it, and `standing`, what the next step depends on, the run can be
         resumed after this step.
@@ -133,26 +141,29 @@ class ResultFolder:
         OutputError
             If a part cannot be written; the steps before it are kept, and the message says where.
         """
-        sizes = self._walls.size, self._steps.size
+        tables = self._walls, self._cells, self._steps
+        sizes = [table.size for table in tables]
         try:
             self._walls.append(*walls)
+            self._cells.append(*cells)
             self._steps.append(record)
             if snapshot is not None:
                 self._series.append(snapshot, certified=record.certified)
         except OutputError as error:
             with suppress(OutputError):
-                self._walls.rewind(sizes[0])
-                self._steps.rewind(sizes[1])
+                for table, size in zip(tables, sizes, strict=True):
+                    table.rewind(size)
             raise OutputError(f"{error}; {self._kept()}") from error
         self._history.append(record)
         self._last = snapshot or self._last
+        self._pairs = [(row.cell_a, row.cell_b, row.onset) for row in walls] or self._pairs
         if report is not None and standing is not None:
             self._reports.append(report)
             self._remember(standing)
         self._note("running")
 
     def _remember(self, standing: Mapping[str, NDArray[Any]]) -> None:
-        sizes = {"history.csv": self._steps.size, "walls.csv": self._walls.size}
+        sizes = dict(zip(_TABLES, (self._steps.size, self._walls.size, self._cells.size), strict=True))
         restart = Restart(
             self._case_text or "", standing, tuple(self._reports), sizes, self._series.snapshots
         )
@@ -162,7 +173,7 @@ class ResultFolder:
             raise OutputError(f"{error}; {self._kept()}") from error
 
     def draw(self, *, title: str = "", certified: bool, onset: float | None = None) -> None:
-        """Draw `tissue.png` of the last snapshot and `gap.png` of the history, as far as there are any.
+        """Draw `tissue.png` of the last snapshot, and `gap.png` and `debonding.png`, as far as there is what they show.
 
         Raises
         ------
@@ -176,6 +187,9 @@ class ResultFolder:
             draw_tissue(self._last, self.path / "tissue.png", title=title, certified=certified)
         if self._history:
             draw_curves(self._history, self.path / "gap.png", certified=certified, onset=onset)
+        if self._pairs and self._last is not None:
+            place = self.path / "debonding.png"
+            draw_debonding(self._history, self._pairs, self._last.bulk, place, certified=certified)
 
     def finish(self, summary: Mapping[str, Any]) -> None:
         """Write the summary of the ended run, after the pictures if `draw` was not called.
@@ -249,3 +263,11 @@ def _is_ours(path: Path, names: Sequence[str]) -> bool:
             return read_summary(path).get("program") == _PROGRAM
         return False
     return all(_DRAFT.fullmatch(name) for name in names)
+
+
+def _last_pairs(path: Path) -> list[PairOnset]:
+    """Return the wall pairs of the last level in a table."""
+    with path.open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    last = [row for row in rows if row["step"] == rows[-1]["step"]]
+    return [(int(row["cell_a"]), int(row["cell_b"]), float(row["onset"])) for row in last]

@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 #: Material region of what fills lumens.
 FILLING = "filling"
+#: Boundary region of the lumens, where nothing tells them apart.
+LUMEN = "lumen"
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ import numpy as np
 from netgen.meshing import Mesh
 from numpy.typing import NDArray
 
-from ngcell.geometry.bodies import FILLING, BodyMesh
+from ngcell.geometry.bodies import FILLING, LUMEN, BodyMesh
 from ngcell.geometry.filling import lumen_quads
 from ngcell.geometry.lattice import WALLS, Lattice
 
@@ -113,7 +113,7 @@ def ring_mesh(
         mesh.AddElements(dim=2, index=region, data=_int32(everywhere), base=0)
     outer = np.stack([layer[0], np.roll(layer[0], -1)], axis=-1).reshape(WALLS, -1, 2)
     inner = np.stack([np.roll(layer[-1], -1), layer[-1]], axis=-1)
-    for name, member in ({} if filled else lumens or {"lumen": np.arange(cells)}).items():
+    for name, member in ({} if filled else lumens or {LUMEN: np.arange(cells)}).items():
         _add_edges(mesh, name, first_node[member, None, None] + inner)
     unsupported = np.ones((cells, WALLS), dtype=bool)
     for name, member in supports.items():

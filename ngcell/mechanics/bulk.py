@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.geometry.bodies import FILLING
+from ngcell.mechanics.filling import reduced_rule
 from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
 from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
@@ -59,8 +60,7 @@ class BulkEnergy:
             self._form += ngsolve.Variation(energy * ngsolve.dx(definedon=region))
         if filling is not None:
             region = space.bodies.mesh.Materials(FILLING)
-            rule = ngsolve.IntegrationRule(ngsolve.ET.QUAD, 2 * space.order - 1)
-            reduced = ngsolve.dx(definedon=region, intrules={ngsolve.ET.QUAD: rule})
+            reduced = ngsolve.dx(definedon=region, intrules={ngsolve.ET.QUAD: reduced_rule(space)})
             isochoric, volumetric = (part.Compile() for part in filling.energy_parts(gradient))
             self._form += ngsolve.Variation(isochoric * ngsolve.dx(definedon=region))
             self._form += ngsolve.Variation(volumetric * reduced)

@@ -67,6 +67,7 @@ def certify(
             Check("tension", _tension(assembly, state)),
             Check("complementarity", _complementarity(assembly, state, scale)),
             *_conditions(assembly, state, scale),
+            *_areas(assembly, state),
             Check("body_balance", _body_balance(assembly, forces, nodal, scale)),
             Check("plate_balance", _plate_balance(assembly, forces, nodal, scale)),
             Check("smallest_jacobian", jacobian_range(assembly, state.displacement)[0]),
@@ -134,6 +135,12 @@ def _conditions(assembly: Assembly, state: State, scale: _Scales) -> tuple[Check
         "weighted_complementarity": max(state.energy, scale.energy),
     }
     return tuple(Check(name, value / units[name]) for name, value in missed.items())
+
+
+def _areas(assembly: Assembly, state: State) -> tuple[Check, ...]:
+    if assembly.fluid is None:
+        return ()
+    return (Check("lumen_area", assembly.fluid.missed(assembly.expand(state.displacement))),)
 
 
 def _largest_force(forces: ContactForces, reaction_of_body: Array) -> float:

@@ -53,6 +53,7 @@ def take_snapshot(
     gap: Array,
     contact_pressure: Array,
     free_bodies: Collection[int] | Index = frozenset(),
+    cell_pressure: Array | None = None,
 ) -> Snapshot:
     """Return the fields of a state.
 
@@ -74,6 +75,8 @@ def take_snapshot(
         Normal gap [length], open > 0, and pressure [stress], >= 0, at ``xi = 0, 1/2, 1`` of each wall edge.
     free_bodies : collection or array of int
         Numbers of the bodies that nothing holds.
+    cell_pressure : array of float, shape (bodies,), optional
+        Pressure of what each body holds [stress].
 
     Raises
     ------
@@ -89,7 +92,7 @@ def take_snapshot(
         step=step,
         load_factor=load_factor,
         plate_displacement=plate_displacement,
-        bulk=_bulk_grid(assembly, full, free_bodies),
+        bulk=_bulk_grid(assembly, full, free_bodies, cell_pressure),
         walls=_walls_grid(walls, full, gap, contact_pressure),
     )
 
@@ -121,7 +124,9 @@ def jacobian_range(assembly: Assembly, displacement: Array) -> tuple[float, floa
     return float(jacobian.min()), float(jacobian.max())
 
 
-def _bulk_grid(assembly: Assembly, displacement: Array, free_bodies: Collection[int] | Index) -> Grid:
+def _bulk_grid(
+    assembly: Assembly, displacement: Array, free_bodies: Collection[int] | Index, cell_pressure: Array | None
+) -> Grid:
     space = assembly.space
     kind = _element_type(space)
     pattern = _pattern(kind, space.order)
@@ -131,6 +136,7 @@ def _bulk_grid(assembly: Assembly, displacement: Array, free_bodies: Collection[
     stress = _cauchy_stress(assembly, gradient, places["nr"])
     cells = _repeat_cells(pattern, len(places))
     cell_id = body[cells[:, 0]]
+    held = {} if cell_pressure is None else {"cell_pressure": cell_pressure[cell_id]}
     return Grid(
         points=_in_space(ngsolve.CF((ngsolve.x, ngsolve.y))(places)),
         cells=cells,
@@ -141,7 +147,7 @@ def _bulk_grid(assembly: Assembly, displacement: Array, free_bodies: Collection[
             "cauchy_stress": stress.reshape(-1, 9),
             "von_mises": _von_mises(stress),
         },
-        cell_data={"cell_id": cell_id, "free": np.isin(cell_id, list(free_bodies)).astype(np.int64)},
+        cell_data={"cell_id": cell_id, "free": np.isin(cell_id, list(free_bodies)).astype(np.int64), **held},
     )
 
 

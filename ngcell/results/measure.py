@@ -58,6 +58,7 @@ class WorkPoint:
     energy: float
     support_work_rate: float
     load_potential: float
+    filling_rate: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +90,8 @@ class Measurement:
         The verdict.
     reaction : array of float, shape (unknowns,)
         Nodal forces of the supports on the bodies [stress * length].
+    filling_rate : float
+        Work for each unit of the loads' share that filling up fluids takes [stress * length**2].
     """
 
     load_factor: float
@@ -103,12 +106,18 @@ class Measurement:
     free_bodies: tuple[int, ...]
     certificate: Certificate
     reaction: Array
+    filling_rate: float = 0.0
 
     @property
     def work(self) -> WorkPoint:
         """What the work to the next step is reckoned from."""
         return WorkPoint(
-            self.load_factor, self.load_share, self.energy, self.support_work_rate, self.load_potential
+            self.load_factor,
+            self.load_share,
+            self.energy,
+            self.support_work_rate,
+            self.load_potential,
+            self.filling_rate,
         )
 
     def opened_share(self, facing: FacingWalls, thickness: float) -> float:
@@ -150,6 +159,11 @@ def measure(
     loads = assembly.bulk.loads
     pushed = np.zeros_like(displacement) if loads is None else -loads.gradient(displacement)
     internal = assembly.bulk.gradient(displacement) + pushed
+    fluid = assembly.fluid
+    filling_rate = 0.0
+    if fluid is not None:
+        pushed = pushed - fluid.gradient(displacement)
+        filling_rate = fluid.filling_rate(displacement)
     contact = assembly.contact_force(state)
     # Supports carry what internal, contact, load and tether forces leave.
     reaction = assembly.reactions(internal + contact - pushed - tether_force)
@@ -158,8 +172,10 @@ def measure(
     plate_force = scene.motion.resultant(reaction, scene.moved)
     free = _held_by_nothing(assembly, scene, forces, tether_force) if assembly.contact is not None else ()
     load_potential = 0.0 if loads is None else loads.potential(displacement, 1.0)
-    load_share = 0.0 if loads is None else loads.share(load_factor)
-    surplus = _surplus_of_work(before, load_factor, load_share, state.energy, work_rate, load_potential)
+    acting = loads or fluid
+    load_share = 0.0 if acting is None else acting.share(load_factor)
+    work = WorkPoint(load_factor, load_share, state.energy, work_rate, load_potential, filling_rate)
+    surplus = _surplus_of_work(before, work)
     nodal = NodalForces(internal, reaction, pushed, tether_force)
     certificate = certify(assembly, state, nodal, forces, surplus)
     return Measurement(
@@ -175,18 +191,28 @@ def measure(
         free,
         certificate,
         reaction,
+        filling_rate,
     )
 
 
-def wall_records(scene: Scene, measured: Measurement, step: int, thickness: float) -> list[WallRecord]:
-    """Return a row for each facing pair of a step."""
+def pair_gaps(facing: FacingWalls, measured: Measurement) -> Array:
+    """Return the mean gap of each facing pair [length]."""
+    count = len(facing.pairs)
+    length = np.bincount(facing.pair, facing.weight, count)
+    return np.bincount(facing.pair, facing.weight * measured.gap, count) / length
+
+
+def wall_records(
+    scene: Scene, measured: Measurement, step: int, thickness: float, onset: Array
+) -> list[WallRecord]:
+    """Return a row for each facing pair of a step; `onset` is where each has opened, shape (pairs,)."""
     facing, clump = scene.facing, measured.forces.clumps()
     count = len(facing.pairs)
     is_open = measured.gap > OPEN * thickness
     largest = np.full(count, -np.inf)
     np.maximum.at(largest, facing.pair, measured.gap)
     length = np.bincount(facing.pair, facing.weight, count)
-    mean = np.bincount(facing.pair, facing.weight * measured.gap, count) / length
+    mean = pair_gaps(facing, measured)
     share = np.bincount(facing.pair, facing.weight * is_open, count) / length
     parted = parted_pairs(scene, measured, thickness)
     force = measured.forces.between(facing.pairs)
@@ -202,6 +228,7 @@ def wall_records(scene: Scene, measured: Measurement, step: int, thickness: floa
             opened_share=float(share[pair]),
             parted=bool(parted[pair]),
             clump=int(clump[one]),
+            onset=float(onset[pair]),
         )
         for pair, (one, two) in enumerate(facing.pairs)
     ]
@@ -214,29 +241,21 @@ def parted_pairs(scene: Scene, measured: Measurement, thickness: float) -> NDArr
     return np.asarray(np.bincount(facing.pair[closed], minlength=len(facing.pairs)) == 0)
 
 
-def _surplus_of_work(
-    before: WorkPoint | None,
-    load_factor: float,
-    load_share: float,
-    energy: float,
-    work_rate: float,
-    load_potential: float,
-) -> float:
+def _surplus_of_work(before: WorkPoint | None, now: WorkPoint) -> float:
     """Return the work of supports and loads minus the change of energy, as far as quadrature does not explain it.
 
     The work is taken by the trapezoidal rule, which for a monotonic force errs by at most half of the force's
     change times the step. A surplus is energy that was released when walls snapped to another equilibrium; a deficit is
     energy from nowhere, and never right.
     """
-    load, share, old_energy, old_rate, old_potential = (
-        (before.load_factor, before.load_share, before.energy, before.support_work_rate, before.load_potential)
-        if before
-        else (0.0, 0.0, 0.0, 0.0, 0.0)
-    )
-    step, fall = load_factor - load, old_potential - load_potential
-    work = step * (work_rate + old_rate) / 2 + (load_share + share) / 2 * fall
-    mismatch = work - (energy - old_energy)
-    allowed = (step * abs(work_rate - old_rate) + abs(load_share - share) * abs(fall)) / 2
+    old = before or WorkPoint(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    step, shared = now.load_factor - old.load_factor, now.load_share - old.load_share
+    fall = old.load_potential - now.load_potential
+    work = step * (now.support_work_rate + old.support_work_rate) / 2
+    work += (now.load_share + old.load_share) / 2 * fall + shared * (now.filling_rate + old.filling_rate) / 2
+    mismatch = work - (now.energy - old.energy)
+    spread = abs(shared) * (abs(fall) + abs(now.filling_rate - old.filling_rate))
+    allowed = (step * abs(now.support_work_rate - old.support_work_rate) + spread) / 2
     return float(np.sign(mismatch) * max(abs(mismatch) - allowed, 0.0))
 
 

@@ -1,7 +1,7 @@
-"""The two kinds of table row that a run leaves: one of an accepted step, one of a pair of walls in it.
+"""The kinds of table row that a run leaves: one of an accepted step, one of a pair of walls in it, one of a cell.
 
-The fields, in this order, are the columns of `history.csv` and `walls.csv`. A gap is positive where two walls
-are apart and negative where they overlap; a contact pressure is never negative. Lengths carry the unit of the
+The fields, in this order, are the columns of `history.csv`, `walls.csv` and `cells.csv`. A gap is positive where two
+walls are apart and negative where they overlap; a contact pressure is never negative. Lengths carry the unit of the
 case's `side`, stresses that of its material constants; a planar scene is taken one unit of length deep.
 """
 
@@ -32,6 +32,8 @@ class StepRecord:
         Number of wall pairs that are apart along the whole middle half of the wall.
     opened_share : float
         Share of the facing wall length that is apart, in [0, 1].
+    clumps, largest_clump : int
+        Number of clumps of cells in touch, and number of cells in the largest.
     plate_force_x, plate_force_y : float
         Force that the moved plate exerts on the tissue [stress * length**2], positive along the axis.
     contact_force : float
@@ -55,6 +57,8 @@ class StepRecord:
     smallest_gap: float
     parted_pairs: int
     opened_share: float
+    clumps: int
+    largest_clump: int
     plate_force_x: float
     plate_force_y: float
     contact_force: float
@@ -87,6 +91,9 @@ class WallRecord:
         Whether the walls are apart along the whole middle half of the wall.
     clump : int
         Number of the clump of cells still in touch that `cell_a` belongs to.
+    onset : float
+        Plate displacement at which the pair's mean gap first reached 5 % of the wall's thickness [length]; NaN where it
+        has not.
     """
 
     step: int
@@ -99,3 +106,39 @@ class WallRecord:
     opened_share: float
     parted: bool
     clump: int
+    onset: float
+
+
+@dataclass(frozen=True, slots=True)
+class CellRecord:
+    """One cell at one reported step: a row of `cells.csv`.
+
+    Attributes
+    ----------
+    step : int
+        Number of the accepted step that the row belongs to.
+    load_factor : float
+        Share of the case's full load, in [0, 1].
+    plate_displacement : float
+        Length of the displacement of the moved plate [length], >= 0.
+    cell : int
+        Number of the cell: row by row, the lowest row first, from 0.
+    pressure : float
+        Pressure of what the cell holds [stress]: given, found as that of its fluid, or the mean one of its inclusion;
+        0 in an empty cell.
+    clump : int
+        Number of the clump of cells still in touch that it belongs to.
+    clump_size : int
+        Number of cells of this clump.
+    held : bool
+        Whether anything holds the cell; one that floats has no place of its own.
+    """
+
+    step: int
+    load_factor: float
+    plate_displacement: float
+    cell: int
+    pressure: float
+    clump: int
+    clump_size: int
+    held: bool

@@ -27,6 +27,8 @@ class StepReport:
         Bodies held by nothing.
     unstored_work : float
         Work since the step before that is not stored [stress * length**2].
+    debonding : dict of str to Any
+        What has come apart; empty between levels.
     """
 
     record: StepRecord
@@ -34,6 +36,7 @@ class StepReport:
     findings: tuple[Finding, ...]
     free_bodies: tuple[int, ...]
     unstored_work: float
+    debonding: Mapping[str, Any]
 
     def plain(self) -> dict[str, Any]:
         """Return it as JSON can hold it."""
@@ -54,4 +57,5 @@ class StepReport:
             findings=tuple(Finding(**finding) for finding in table["findings"]),
             free_bodies=tuple(table["free_bodies"]),
             unstored_work=table["unstored_work"],
+            debonding=table["debonding"],
         )

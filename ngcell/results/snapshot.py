@@ -63,8 +63,8 @@ class Snapshot:
     bulk : Grid
         The bodies. `point_data`: `displacement` (points, 3) [length], `J` (points,) [1] > 0, `cauchy_stress`
         (points, 9) [stress] by rows, `von_mises` (points,) [stress] >= 0. `cell_data`: `cell_id` (cells,),
-        the tissue cell that the finite element belongs to, and `free` (cells,), 1 where that tissue cell is
-        held by nothing.
+        the tissue cell that the finite element belongs to, `free` (cells,), 1 where that tissue cell is
+        held by nothing, and, where cells hold something, its pressure `cell_pressure` (cells,) [stress].
     walls : Grid
         The walls that may touch: edges in 2-D, facets in 3-D. `point_data`: `displacement` (points, 3)
         [length], `gap` (points,) [length], open > 0, `contact_pressure` (points,) [stress] >= 0. `cell_data`:

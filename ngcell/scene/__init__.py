@@ -11,7 +11,7 @@ from ngcell.scene.drawn import Block, Disc, DrawnBody, Ring
 from ngcell.scene.expected import BodyExpected, Expected
 from ngcell.scene.kinds import AnyCase
 from ngcell.scene.load import Frame, Load, Plates
-from ngcell.scene.lumen import CellPressure, Inclusion
+from ngcell.scene.lumen import CellPressure, Fluid, Inclusion
 from ngcell.scene.material import Material, MooneyRivlin
 from ngcell.scene.mesh import BodyMeshChoice, MeshChoice, Refinement
 from ngcell.scene.reader import read_case, resolved_toml
@@ -34,6 +34,7 @@ __all__ = [
     "Disc",
     "DrawnBody",
     "Expected",
+    "Fluid",
     "Frame",
     "Inclusion",
     "Load",

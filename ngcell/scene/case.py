@@ -35,7 +35,7 @@ class Case(BaseModel):
         The cells.
     material : MooneyRivlin
         What their walls are made of.
-    lumen : CellPressure or Inclusion, optional
+    lumen : CellPressure, Inclusion or Fluid, optional
         What the cells hold; by default they are empty.
     load : Plates or Frame
         What moves them.

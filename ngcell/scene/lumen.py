@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, Strict
 
 from ngcell.scene.material import Material
-from ngcell.scene.section import SECTION, ByKind, NonNegativeNumber
+from ngcell.scene.section import SECTION, ByKind, NonNegativeNumber, PositiveNumber
 
 Row = Annotated[tuple[NonNegativeNumber, ...], Strict(False)]
 
@@ -48,4 +48,22 @@ class Inclusion(BaseModel):
     material: Material
 
 
-Lumen = Annotated[CellPressure | Inclusion, ByKind()]
+class Fluid(BaseModel):
+    """An incompressible fluid that fills every cell: each lumen keeps its area, whatever pressure that takes.
+
+    Parameters
+    ----------
+    fill : float
+        Area of the fluid at load factor 1 over that of the lumen at rest, > 0; more than 1 makes cells turgid.
+    ramp : {"with-load", "first"}
+        Whether cells are filled up in proportion to the load, or hold that much at every level.
+    """
+
+    model_config = SECTION
+
+    kind: Literal["fluid"] = "fluid"
+    fill: PositiveNumber = 1.0
+    ramp: Literal["with-load", "first"] = "with-load"
+
+
+Lumen = Annotated[CellPressure | Inclusion | Fluid, ByKind()]

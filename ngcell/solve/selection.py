@@ -44,7 +44,8 @@ ON_THE_WAY, AT_THE_END = 1.0, 1e-10
 #: Decrement at which a minimisation between updates of contact pressures ends: share of the energy that stands for what
 #: conditions are missed by.
 UPDATE = 0.1
-#: Share of the longest step by which contact conditions may be missed at the end, and the most updates to get there.
+#: Share of the longest step by which conditions of contact and fluids may be missed at the end, and the most updates
+#: to get there.
 CONDITION, MOST_UPDATES = 1e-11, 40
 #: Share of what was missed before above which an update was slow.
 SLOW = 0.25
@@ -98,10 +99,10 @@ class Release:
             if minimum.ending is not Ending.CONVERGED:
                 break
             if is_end:
-                return _until_conditions_hold(minimiser, minimum, self.last_tether(anchor), self.last)
-            if len(rest) == 1:
-                _, missed = minimiser.problem.improve(minimum.state)
-            elif strength <= max(STIFFEN_AT, self.last):
+                tether, length = self.last_tether(anchor), minimiser.longest_step
+                return until_conditions_hold(minimiser, minimum, tether, length, self.last)
+            _, missed = minimiser.problem.improve(minimum.state)
+            if len(rest) > 1 and strength <= max(STIFFEN_AT, self.last):
                 rest.pop(0)
                 rest[0].problem.follow(minimiser.problem, minimum.state)
                 continue
@@ -124,13 +125,15 @@ class Release:
         return minimum, minimiser.effort.factorisations - before
 
 
-def _until_conditions_hold(minimiser: Minimiser, minimum: Minimum, tether: Tether, name: float) -> Minimum:
-    """Improve and minimise in turn until there is nothing left to improve."""
+def until_conditions_hold(
+    minimiser: Minimiser, minimum: Minimum, tether: Tether, length: float, name: float = 0.0
+) -> Minimum:
+    """Improve and minimise in turn until what is missed is nothing beside `length`."""
     before, was_hastened = float("inf"), False
     for _ in range(MOST_UPDATES):
         missed, energy = minimiser.problem.improve(minimum.state)
         helpless = was_hastened and missed > before / 2 and energy <= NOTHING * abs(minimum.state.energy)
-        if missed <= CONDITION * minimiser.longest_step or helpless:
+        if missed <= CONDITION * length or helpless:
             return minimum
         _log.info("conditions missed by %.1e", missed)
         was_hastened = missed > SLOW * before

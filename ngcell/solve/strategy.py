@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from ngcell.solve.effort import Effort
 from ngcell.solve.minimise import Ending, Minimiser, Minimum, Tether
 from ngcell.solve.outcome import Outcome
-from ngcell.solve.selection import Release
+from ngcell.solve.selection import Release, until_conditions_hold
 
 Array = NDArray[np.float64]
 
@@ -113,6 +113,11 @@ class Released:
         """What was spent so far."""
         return sum((minimiser.effort for minimiser in self.minimisers), self.apart.effort.copy())
 
+    @property
+    def longest_step(self) -> float:
+        """The length beside which missed conditions are judged [length]."""
+        return self.minimisers[-1].longest_step
+
     def predict(self, displacement: Array, imposed: Array) -> Array:
         """Return the displacement that follows, to first order, when prescribed values jump."""
         return self.minimisers[-1].predict(displacement, imposed, self.path.scale * self.path.last)
@@ -172,7 +177,7 @@ def compact_then_released(
     displacement = motion.carried(0.0) if last_compact is None else last_compact
     for phase, target in schedule[done:]:
         if phase == "compact":
-            step = _compact_step(compact, motion, displacement, load, target, released.loads)
+            step = _compact_step(compact, motion, displacement, load, target, released)
             load, displacement = target, step.minimum.state.displacement
             yield step
         else:
@@ -195,16 +200,18 @@ def _compact_step(
     displacement: Array,
     load: float,
     target: float,
-    loads: Loads | None,
+    released: Released,
 ) -> Accepted:
     before, reached, increment, halvings = compact.effort.copy(), load, target - load, 0
     while True:
         goal = min(reached + increment, target)
         start = displacement + motion.carried(goal) - motion.carried(reached)
         tether = Tether(0.0, start)
-        if loads is not None:
-            loads.apply(goal)
+        if released.loads is not None:
+            released.loads.apply(goal)
         minimum = compact.minimise(motion.imposed(start, goal), tether)
+        if minimum.ending is Ending.CONVERGED:
+            minimum = until_conditions_hold(compact, minimum, tether, released.longest_step)
         if minimum.ending is Ending.CONVERGED:
             displacement, reached = minimum.state.displacement, goal
             if reached == target:

@@ -27,8 +27,8 @@ def test_a_finished_run_leaves_everything(tmp_path, make_record, wall_records, m
         folder.accept(make_record(3), wall_records(3), make_snapshot(3))
         folder.finish({"certified": True, "title": "two rings"})
     assert {path.name for path in out.iterdir()} == {
-        "case.toml", "history.csv", "walls.csv", "tissue.pvd", "tissue_0000.vtu", "tissue_0001.vtu",
-        "walls_0000.vtu", "walls_0001.vtu", "summary.json", "tissue.png", "gap.png",
+        "case.toml", "history.csv", "walls.csv", "cells.csv", "tissue.pvd", "tissue_0000.vtu", "tissue_0001.vtu",
+        "walls_0000.vtu", "walls_0001.vtu", "summary.json", "tissue.png", "gap.png", "debonding.png",
     }  # fmt: skip
     assert (out / "case.toml").read_text() == "[tissue]\n"
     assert steps(out) == [1, 2, 3]
@@ -48,10 +48,10 @@ def test_a_killed_run_is_recognised_and_readable(tmp_path):
         from ngcell.results.snapshot import Snapshot
         with ResultFolder(Path(sys.argv[1])) as folder:
             for step in (1, 2):
-                numbers = [0.0] * 9
+                numbers = [0.0] * 11
                 folder.accept(
                     StepRecord(step, "contact", step / 2, step / 10, *numbers, 1, 1, 0.1, True),
-                    [WallRecord(step, step / 2, 0, 1, 0.1, 0.05, 0.0, 1.0, True, 0)],
+                    [WallRecord(step, step / 2, 0, 1, 0.1, 0.05, 0.0, 1.0, True, 0, 0.2)],
                     Snapshot(step, step / 2, step / 10, ring_bodies(0.1), facing_walls(0.1)),
                 )
             os.kill(os.getpid(), signal.SIGKILL)

@@ -6,7 +6,7 @@ import pytest
 from matplotlib.image import imread
 
 from ngcell.errors import OutputError
-from ngcell.export import SnapshotSeries, draw_curves, draw_tissue, show, write_summary
+from ngcell.export import SnapshotSeries, draw_curves, draw_debonding, draw_tissue, show, write_summary
 from ngcell.export.outline import cell_loops
 from ngcell.results.snapshot import Grid, Snapshot
 
@@ -126,3 +126,16 @@ def test_importing_the_room_loads_no_graphics():
     )
     answer = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert answer.stdout.strip() == "[]"
+
+
+def test_the_plan_of_onsets_follows_the_data(tmp_path, make_snapshot, make_record):
+    history = [make_record(step, 0.01 * step, clumps=step) for step in range(1, 5)]
+    cells = make_snapshot(1).bulk
+
+    def draw(name, onset, certified=True):
+        return imread(draw_debonding(history, [(0, 1, onset)], cells, tmp_path / name, certified=certified))
+
+    grey, coloured, _ = draw("a.png", np.nan), draw("b.png", 0.2), draw("c.png", np.nan, False)
+    assert grey[..., :3].std() > 0.05
+    assert np.mean(np.abs(grey - coloured).max(2) > 0.1) > 1e-3
+    assert red_share(tmp_path / "c.png") > red_share(tmp_path / "a.png") + 0.01

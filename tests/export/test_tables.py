@@ -54,7 +54,7 @@ def test_a_killed_run_leaves_whole_rows(tmp_path):
         from ngcell.results.record import WallRecord
         table = RecordTable(Path(sys.argv[1]), WallRecord)
         for step in range(3):
-            table.append(WallRecord(step, 0.5, 0, 1, 0.1, 0.05, 0.0, 1.0, True, 0))
+            table.append(WallRecord(step, 0.5, 0, 1, 0.1, 0.05, 0.0, 1.0, True, 0, 0.2))
         os.kill(os.getpid(), signal.SIGKILL)
     """)
     killed = subprocess.run([sys.executable, "-c", program, tmp_path / "walls.csv"], check=False)

@@ -9,7 +9,7 @@ from ngcell.geometry.filling import lumen_quads
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.rings import ring_layers, ring_mesh
 from ngcell.mechanics.bulk import BulkEnergy
-from ngcell.mechanics.filling import cell_pressures
+from ngcell.mechanics.filling import cell_pressures, filling_pressures
 from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
 from ngcell.mechanics.space import DisplacementSpace, csr_matrix
 from ngcell.scene import CellPressure, Tissue
@@ -86,3 +86,12 @@ def test_cells_under_the_same_pressure_share_a_region_and_empty_ones_have_no_loa
     assert [cells.tolist() for cells in filling.regions.values()] == [[0, 5], [2], [1, 3, 4]]
     assert [(load.boundary, load.value) for load in filling.loads] == [("lumen1", 0.1), ("lumen2", 0.2)]
     assert len(cell_pressures(CellPressure(pressure=0.3), tissue).regions) == 1
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_the_pressure_of_a_filling_is_that_of_its_volume(order):
+    space, _ = filled_cell(order)
+    gradient = np.array([[0.1, 0.2], [0.0, -0.15]])
+    jacobian = np.linalg.det(np.eye(2) + gradient)
+    found = filling_pressures(space, FILLING, space.affine(gradient, np.zeros(2)).ravel())
+    assert found == pytest.approx([-FILLING.bulk_modulus * np.log(jacobian) / jacobian], rel=1e-10)

@@ -56,7 +56,15 @@ def test_pressure_in_confined_cells_of_any_wall_moves_nothing_and_comes_back_as_
     assert step.measurement.certificate.passed
 
 
-@pytest.mark.parametrize("lumen", [{"kind": "pressure", "pressure": 0.005}, {"kind": "inclusion", "material": GEL}])
+@pytest.mark.parametrize(
+    "lumen",
+    [
+        {"kind": "pressure", "pressure": 0.005},
+        {"kind": "inclusion", "material": GEL},
+        {"kind": "fluid"},
+    ],
+    ids=lambda lumen: lumen["kind"],
+)
 def test_what_cells_hold_keeps_them_together_whichever_way_they_are_loaded(lumen):
     empty = sheared(None, "single-step")
     steps = [sheared(lumen, strategy) for strategy in ("sddp", "single-step")]
@@ -80,3 +88,46 @@ def test_a_pressure_that_comes_first_is_there_in_full_at_every_level():
     first, grown, twice = energies(0.004, "first"), energies(0.004, "with-load"), energies(0.008, "with-load")
     assert first == pytest.approx([twice[0], grown[1]], rel=1e-9)
     assert first[0] > grown[0]
+
+
+def pressures(step: Step) -> np.ndarray:
+    return np.array([row.pressure for row in step.cells])
+
+
+def test_a_fluid_keeps_the_area_of_its_lumen_and_its_pressure_does_what_a_given_one_would():
+    sections = {
+        "load": {"kind": "plates", "displacement": [0.3, 0.0], "levels": 2},
+        "contact": {"kind": "mortar"},
+    }
+    turgid = simulate(tissue(2, 2, lumen={"kind": "fluid", "fill": 1.02}, **sections))
+    assert all(step.measurement.certificate.passed for step in turgid)
+    checks = [check for step in turgid for check in step.measurement.certificate.checks]
+    assert max(check.value for check in checks if check.name == "lumen_area") < 1e-10
+    found = pressures(turgid[-1])
+    assert found.min() > 0 and np.ptp(found) > 0.1 * found.max()
+    cells = [step.snapshot.bulk.cell_data for step in turgid if step.snapshot]
+    assert set(np.ravel(cells[-1]["cell_pressure"])) == set(found)
+    given = simulate(tissue(2, 2, lumen={"kind": "pressure", "pressure": found.reshape(2, 2).tolist()}, **sections))
+    one, two = turgid[-1].record, given[-1].record
+    assert one.energy == pytest.approx(two.energy, rel=1e-7)
+    assert one.plate_force_x == pytest.approx(two.plate_force_x, rel=1e-6)
+    np.testing.assert_allclose(pressures(given[-1]), found, rtol=1e-12)
+    np.testing.assert_allclose(pressures(given[1]), found / 2, rtol=1e-12)
+
+
+def test_confined_turgid_cells_do_not_move_and_press_each_other_with_what_they_hold():
+    """Outer walls held, cells filled beyond their rest: all hold the same pressure, and no wall opens."""
+    (step,) = simulate(
+        tissue(
+            1,
+            3,
+            lumen={"kind": "fluid", "fill": 1.001, "ramp": "first"},
+            load={"kind": "frame", "shear": 0.0, "levels": 1},
+            strategy={"kind": "single-step"},
+            contact={"kind": "mortar"},
+        )
+    )
+    found = pressures(step)
+    assert step.measurement.certificate.passed
+    assert np.ptp(found) < 1e-3 * found.mean() and found.min() > 0.01
+    assert step.record.largest_gap < 1e-3 * 0.1 and step.record.clumps == 1

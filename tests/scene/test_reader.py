@@ -47,6 +47,7 @@ TISSUES = [
     "shear-empty-3x3",
     "shear-empty-single-step",
     "shear-filled",
+    "shear-fluid",
     "shear-pressurised",
     "stretch-plates",
 ]

@@ -44,6 +44,18 @@ WRONG: dict[str, tuple[tuple[str, str], int, str, str]] = {
     "text for a number": (("side = 1.0", 'side = "one"'), 6, 'tissue.side = "one"', "a finite number > 0"),
     "infinite side": (("side = 1.0", "side = inf"), 6, "tissue.side = Infinity", "a finite number > 0"),
     "wall closes the lumen": (("wall = 0.1", "wall = 0.9"), 7, "tissue.wall = 0.9", "0 < wall < 0.866025"),
+    "cells filled with nothing": (
+        ("levels = 2\n", 'levels = 2\n\n[lumen]\nkind = "fluid"\nfill = 0.0\n'),
+        22,
+        "lumen.fill = 0.0",
+        "a finite number > 0",
+    ),
+    "unknown filling": (
+        ("levels = 2\n", 'levels = 2\n\n[lumen]\nkind = "fluids"\n'),
+        21,
+        'lumen.kind = "fluids"',
+        '"fluid", "inclusion", "pressure"',
+    ),
     "wall of nothing": (("wall = 0.1", "wall = 0.0"), 7, "tissue.wall = 0.0", "a finite number > 0"),
     "wall not a number": (("wall = 0.1", "wall = nan"), 7, "tissue.wall = NaN", "a finite number > 0"),
     "date for a number": (("wall = 0.1", "wall = 2020-01-01"), 7, "tissue.wall", "a finite number > 0"),

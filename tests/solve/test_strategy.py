@@ -198,7 +198,8 @@ class FakeMotion:
 
 
 def compact_walk(fake: FakeMinimiser) -> Iterator[Accepted]:
-    return compact_then_released(fake, SimpleNamespace(loads=None), FakeMotion(), steps=[0.5, 1.0], levels=[])
+    released = SimpleNamespace(loads=None, longest_step=1.0)
+    return compact_then_released(fake, released, FakeMotion(), steps=[0.5, 1.0], levels=[])
 
 
 def incremental_walk(fake: FakeMinimiser) -> Iterator[Accepted]:

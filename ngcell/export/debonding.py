@@ -1,0 +1,117 @@
+"""How the tissue falls apart: open walls and clumps of cells over the load, and where each wall pair opened."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ngcell.export.picture import DPI, INK, SOFT_INK, mark_uncertified, save_png, style_axes
+from ngcell.results.record import StepRecord
+from ngcell.results.snapshot import Grid
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+#: The two cells of a wall pair, and the plate displacement that opened it, NaN where none has.
+PairOnset = tuple[int, int, float]
+
+_OPEN, _PARTED, _CLUMPS, _LARGEST, _CLOSED = "#1f5f8b", "#4a7a3a", "#b3361e", "#c98a1b", "#d5d9df"
+
+
+def draw_debonding(
+    history: Sequence[StepRecord], pairs: Sequence[PairOnset], cells: Grid, path: Path, *, certified: bool
+) -> Path:
+    """Draw open walls and clumps over the load, and the walls at rest coloured by the displacement that opened them.
+
+    Parameters
+    ----------
+    history : sequence of StepRecord
+        The accepted steps, at least one of them with contact.
+    pairs : sequence of (int, int, float)
+        The wall pairs at the last level.
+    cells : Grid
+        The bodies, with `cell_id`.
+    path : Path
+        The PNG file.
+    certified : bool
+        Whether the result passed every check.
+
+    Returns
+    -------
+    Path
+        `path`.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written.
+    """
+    from matplotlib.figure import Figure
+
+    rows = [row for row in history if row.phase == "contact"]
+    load = np.array([row.plate_displacement for row in rows])
+    name = "plate displacement"
+    if not load.any():
+        load, name = np.array([row.load_factor for row in rows]), "load factor"
+    figure = Figure(figsize=(10.4, 4.6), dpi=DPI, facecolor="white", layout="constrained")
+    grid = figure.add_gridspec(2, 2, width_ratios=(1, 1.25))
+    share, clumps, plan = (figure.add_subplot(place) for place in (grid[0, 0], grid[1, 0], grid[:, 1]))
+    _curve(share, load, [row.opened_share for row in rows], "length of open walls", _OPEN)
+    _curve(share, load, [row.parted_pairs / max(len(pairs), 1) for row in rows], "parted wall pairs", _PARTED)
+    _curve(clumps, load, [row.clumps for row in rows], "clumps of cells in touch", _CLUMPS)
+    _curve(clumps, load, [row.largest_clump for row in rows], "cells in the largest", _LARGEST)
+    for axes, label in ((share, "share of all"), (clumps, "number")):
+        style_axes(axes)
+        axes.set_ylabel(label, color=INK)
+        axes.set_ylim(bottom=0)
+        axes.legend(frameon=False, fontsize=9, labelcolor=INK)
+    share.tick_params(labelbottom=False)
+    clumps.set_xlabel(name, color=INK)
+    _draw_plan(figure, plan, pairs, cells)
+    if not certified:
+        mark_uncertified(figure)
+    return save_png(figure, path)
+
+
+def _curve(axes: Axes, load: NDArray[Any], values: Sequence[float], label: str, colour: str) -> None:
+    axes.plot(load, values, color=colour, linewidth=1.9, marker="o", markersize=4, label=label)
+
+
+def _draw_plan(figure: Figure, axes: Axes, pairs: Sequence[PairOnset], cells: Grid) -> None:
+    """Draw each pair as the wall midway between its cells; those that stayed closed in grey."""
+    from matplotlib.collections import LineCollection
+
+    centre = _centres(cells)
+    one, two = (centre[[pair[end] for pair in pairs]] for end in range(2))
+    half = (two - one)[:, ::-1] * [-0.5, 0.5] / np.sqrt(3)  # a hexagon's wall
+    lines = np.stack([(one + two) / 2 - half, (one + two) / 2 + half], axis=1)
+    onset = np.array([onset for _, _, onset in pairs])
+    opened = np.isfinite(onset)
+    axes.add_collection(LineCollection(lines[~opened], colors=_CLOSED, linewidths=3.5))
+    shown = LineCollection(lines[opened], array=onset[opened], cmap="plasma_r", linewidths=3.5)
+    axes.add_collection(shown)
+    axes.set(xlim=_limits(lines[..., 0]), ylim=_limits(lines[..., 1]), aspect="equal", xticks=[], yticks=[])
+    axes.spines[:].set_visible(False)
+    axes.set_title(f"{int(opened.sum())} of {len(pairs)} wall pairs opened", fontsize=10.5, color=INK)
+    if opened.any():
+        bar = figure.colorbar(shown, ax=axes, shrink=0.8)
+        bar.set_label("opened at", color=INK)
+        bar.outline.set(edgecolor=SOFT_INK, linewidth=0.8)
+
+
+def _centres(cells: Grid) -> NDArray[np.float64]:
+    """Return the mean place of each cell's points at rest, shape (cells, 2)."""
+    owner = np.repeat(np.ravel(cells.cell_data["cell_id"]), cells.cells.shape[1])
+    count = np.bincount(owner)
+    points = cells.points[cells.cells.ravel()]
+    return np.column_stack([np.bincount(owner, points[:, axis]) / np.maximum(count, 1) for axis in range(2)])
+
+
+def _limits(values: NDArray[np.float64]) -> tuple[float, float]:
+    margin = 0.05 * float(np.ptp(values)) + 0.1
+    return float(values.min()) - margin, float(values.max()) + margin

@@ -1,0 +1,175 @@
+"""An incompressible fluid in each lumen: its area stays what it is told, and its pressure is part of the answer.
+
+The area of a lumen is half the integral of ``x cross dx`` around it, hence a quadratic function of the displacement.
+With c the area less what the fluid needs, and A that at rest, the energy
+
+    sum of (A / 2 r) ((p - r c / A)^2 - p^2)  =  sum of -p c + r c^2 / 2 A
+
+is that of a liquid of bulk modulus r under the pressure p. It is minimised at fixed p; then p becomes the pressure
+``p - r c / A`` that the liquid answers with, until no area is off (the method of multipliers). The modulus only sets
+the pace. Each lumen adds a full block over the unknowns of its outline to the tangent, of rank one but for what p adds.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from ngcell.mechanics.loads import BoundaryLoads
+from ngcell.mechanics.space import DisplacementSpace
+from ngcell.mechanics.supports import PrescribedMotion
+from ngcell.scene import Pressure
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+#: By how much the liquid is stiffened where updates are slow, and at most in all.
+HASTE, MOST_HASTE = 10.0, 1e4
+
+
+class LumenFluids:
+    """The fluids of all cells of a planar tissue.
+
+    Parameters
+    ----------
+    space : DisplacementSpace
+        The unknowns.
+    region : str
+        Boundary region of the lumens, a regular expression: one closed line in each body that has a lumen.
+    modulus : float
+        Bulk modulus r of the liquid that stands for the fluid along the way [stress], > 0.
+    fill : float
+        Area of the fluid at load factor 1 over that of the lumen at rest, > 0.
+    in_full : bool
+        Whether cells hold that much at every load factor above 0, instead of being filled as the load grows.
+
+    Attributes
+    ----------
+    area : array of float, shape (lumens,)
+        Areas at rest [length**2].
+    body : array of int, shape (lumens,)
+        Body of each lumen.
+    pressure : array of float, shape (lumens,)
+        Pressure p of each fluid, as far as it is known [stress].
+    """
+
+    def __init__(
+        self, space: DisplacementSpace, region: str, *, modulus: float, fill: float = 1.0, in_full: bool = False
+    ) -> None:
+        # The potential of a unit pressure is the area that the outline sweeps out of the lumen.
+        swept = BoundaryLoads(space, [Pressure(region, 1.0)], PrescribedMotion(space, []))
+        swept.apply(1.0)
+        rest = np.zeros(space.unknowns)
+        outline = space.region_unknowns(region)
+        self.body = np.unique(space.body_of_unknown[outline])
+        self._member = np.concatenate([axis * space.size + outline for axis in range(space.dimension)])
+        lumen = np.searchsorted(self.body, space.body_of_unknown[outline])
+        self._lumen = np.tile(lumen, space.dimension)
+        self._slope = -swept.gradient(rest)[self._member]
+        self._bend = -swept.tangent(rest)[self._member][:, self._member].tocsr()
+        self._size = space.unknowns
+        self._modulus, self._fill, self._in_full = modulus, fill, in_full
+        self.area = self._swept(space.rest.ravel()) / 3  # a body blown up to twice its size
+        self._pairs()
+        self.apply(0.0)
+
+    def _pairs(self) -> None:
+        """List all pairs of unknowns of each lumen, the lower triangle, and the entries of the second derivative."""
+        row, column = [], []
+        for lumen in range(len(self.area)):
+            mine = np.flatnonzero(self._lumen == lumen)
+            one, two = np.tril_indices(len(mine))
+            row.append(mine[one])
+            column.append(mine[two])
+        self._row, self._column = np.concatenate(row), np.concatenate(column)
+        bend = sparse.tril(self._bend).tocoo()
+        width = len(self._member)
+        order = np.argsort(self._row * width + self._column)
+        found = np.searchsorted((self._row * width + self._column)[order], bend.coords[0] * width + bend.coords[1])
+        self._bent = np.zeros(len(self._row))
+        self._bent[order[found]] = bend.data
+
+    def apply(self, load_factor: float) -> None:
+        """Set the load factor, and forget what was learned about pressures."""
+        self._share = self.share(load_factor)
+        self._pace = 1.0
+        self.pressure = np.zeros(len(self.area))
+
+    def share(self, load_factor: float) -> float:
+        """Return the share of the filling that is in at a load factor."""
+        return float(load_factor > 0) if self._in_full else load_factor
+
+    @property
+    def needed(self) -> Array:
+        """Area of each fluid [length**2], shape (lumens,)."""
+        return (1 + self._share * (self._fill - 1)) * self.area
+
+    def areas(self, displacement: Array) -> Array:
+        """Return the area of each lumen [length**2], shape (lumens,)."""
+        return self.area + self._swept(displacement)
+
+    def pressures(self, displacement: Array) -> Array:
+        """Return the pressure that each liquid answers with [stress], shape (lumens,)."""
+        return self.pressure - self._stiffness * self._surplus(displacement)
+
+    def energy(self, displacement: Array) -> float:
+        """Return the energy of the liquids [stress * length**2]; 0 where all areas are right."""
+        difference = self.pressures(displacement) ** 2 - self.pressure**2
+        return float((difference / (2 * self._stiffness)).sum())
+
+    def gradient(self, displacement: Array) -> Array:
+        """Return minus the nodal forces on the walls [stress * length], shape (unknowns,)."""
+        slope = np.zeros(self._size)
+        slope[self._member] = -self.pressures(displacement)[self._lumen] * self._rise(displacement)
+        return slope
+
+    @property
+    def pattern(self) -> tuple[Index, Index]:
+        """Rows and columns of the lower triangle that `tangent` fills, without repetitions."""
+        row, column = self._member[self._row], self._member[self._column]
+        return np.maximum(row, column), np.minimum(row, column)
+
+    def tangent(self, displacement: Array) -> Array:
+        """Return the second derivative of the energy [stress] on `pattern`."""
+        lumen = self._lumen[self._row]
+        rise = self._rise(displacement)
+        squeeze = self._stiffness[lumen] * rise[self._row] * rise[self._column]
+        return np.asarray(squeeze - self.pressures(displacement)[lumen] * self._bent)
+
+    def missed(self, displacement: Array) -> float:
+        """Return the largest relative deviation of an area from that of its fluid."""
+        return float(np.abs(self._surplus(displacement) / self.needed).max(initial=0.0))
+
+    def filling_rate(self, displacement: Array) -> float:
+        """Return the work against the pressures for each unit of the share that is filled in [stress * length**2]."""
+        return float((self._fill - 1) * (self.pressures(displacement) @ self.area))
+
+    def improve(self, displacement: Array) -> tuple[float, float]:
+        """Take over the pressures of an equilibrium; return by how much areas were off, as a length [length], and the
+        energy of that in the liquids [stress * length**2]."""
+        surplus = self._surplus(displacement)
+        self.pressure = self.pressures(displacement)
+        energy = float((self._stiffness * surplus**2).sum()) / 2
+        return float(np.abs(surplus / np.sqrt(self.area)).max(initial=0.0)), energy
+
+    def hasten(self) -> None:
+        """Stiffen the liquids: where cells are confined, they are stiffer than these were made for."""
+        self._pace = min(HASTE * self._pace, MOST_HASTE)
+
+    @property
+    def _stiffness(self) -> Array:
+        """Pressure for each surplus of area [stress / length**2], shape (lumens,)."""
+        return self._pace * self._modulus / self.area
+
+    def _surplus(self, displacement: Array) -> Array:
+        return self.areas(displacement) - self.needed
+
+    def _swept(self, displacement: Array) -> Array:
+        """Return the change of each lumen's area."""
+        by = displacement[self._member]
+        return np.bincount(self._lumen, by * (self._slope + self._bend @ by / 2), len(self.body))
+
+    def _rise(self, displacement: Array) -> Array:
+        """Return the derivative of the areas by the unknowns of their outlines."""
+        return np.asarray(self._slope + self._bend @ displacement[self._member])
