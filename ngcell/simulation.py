@@ -242,7 +242,7 @@ class Simulation:
         travelled = accepted.load_factor * float(np.linalg.norm(self.scene.travel))
         displacement = assembly.expand(accepted.minimum.state.displacement)
         total = facing.weight.sum()
-        clumps = find_clumps(assembly, measured)
+        clumps = find_clumps(self.scene, assembly, measured)
         record = StepRecord(
             step=number,
             phase=accepted.phase,

@@ -63,7 +63,7 @@ def draw_debonding(
     share, clumps, plan = (figure.add_subplot(place) for place in (grid[0, 0], grid[1, 0], grid[:, 1]))
     _curve(share, load, [row.opened_share for row in rows], "length of open walls", _OPEN)
     _curve(share, load, [row.parted_pairs / max(len(pairs), 1) for row in rows], "parted wall pairs", _PARTED)
-    _curve(clumps, load, [row.clumps for row in rows], "clumps of cells in touch", _CLUMPS)
+    _curve(clumps, load, [row.clumps for row in rows], "clumps of cells still joined", _CLUMPS)
     _curve(clumps, load, [row.largest_clump for row in rows], "cells in the largest", _LARGEST)
     for axes, label in ((share, "share of all"), (clumps, "number")):
         style_axes(axes)

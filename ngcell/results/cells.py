@@ -1,4 +1,4 @@
-"""What is reported of each cell: the pressure in it, and the clump of cells in touch that it belongs to."""
+"""What is reported of each cell: the pressure in it, and the clump of cells still joined that it belongs to."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ngcell.contact.assembly import Assembly
 from ngcell.mechanics.filling import filling_pressures
-from ngcell.results.measure import Measurement
+from ngcell.results.measure import Measurement, Scene, clumps
 from ngcell.results.record import CellRecord, WallRecord
 
 Array = NDArray[np.float64]
@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Clumps:
-    """Bodies in touch.
+    """Bodies joined by walls that have not parted.
 
     Attributes
     ----------
@@ -34,10 +34,12 @@ class Clumps:
     sizes: NDArray[np.int64]
 
 
-def find_clumps(assembly: Assembly, measured: Measurement) -> Clumps:
+def find_clumps(scene: Scene, assembly: Assembly, measured: Measurement) -> Clumps:
     """Return the clumps of a step; the compact solid is one."""
     count = assembly.space.bodies.body_count
-    clump = np.zeros(count, dtype=np.int64) if assembly.contact is None else measured.forces.clumps()
+    clump = np.zeros(count, dtype=np.int64)
+    if assembly.contact is not None:
+        clump = clumps(scene, measured, assembly.space.bodies.thickness)
     return Clumps(clump, np.bincount(clump))
 
 
@@ -64,7 +66,7 @@ def cell_pressures(assembly: Assembly, displacement: Array, given: Array | None)
 
 
 def cell_records(
-    clumps: Clumps, measured: Measurement, step: int, plate_displacement: float, pressure: Array | None
+    found: Clumps, measured: Measurement, step: int, plate_displacement: float, pressure: Array | None
 ) -> list[CellRecord]:
     """Return a row for each cell of a step."""
     return [
@@ -75,10 +77,10 @@ def cell_records(
             cell=cell,
             pressure=0.0 if pressure is None else float(pressure[cell]),
             clump=int(clump),
-            clump_size=int(clumps.sizes[clump]),
+            clump_size=int(found.sizes[clump]),
             held=cell not in measured.free_bodies,
         )
-        for cell, clump in enumerate(clumps.of_body)
+        for cell, clump in enumerate(found.of_body)
     ]
 
 

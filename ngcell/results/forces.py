@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.contact.assembly import Assembly, State
-from ngcell.geometry.near import components
 
 Array = NDArray[np.float64]
 
@@ -49,11 +48,6 @@ class ContactForces:
             for (one, two), size in zip(self.bodies, np.linalg.norm(self.force, axis=1), strict=True)
         }
         return np.array([known.get((int(one), int(two)), 0.0) for one, two in pairs])
-
-    def clumps(self) -> NDArray[np.int64]:
-        """Return the clump of bodies in touch that each body belongs to, shape (bodies,)."""
-        count = len(self.on_body)
-        return components(count, *self.bodies.T)
 
 
 def contact_forces(assembly: Assembly, state: State) -> ContactForces:

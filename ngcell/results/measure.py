@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ngcell.contact.assembly import Assembly, State
 from ngcell.contact.facing import FacingWalls
 from ngcell.contact.walls import Walls
+from ngcell.geometry.near import components
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.results.certificate import Certificate
 from ngcell.results.checks import NodalForces, certify
@@ -206,7 +207,7 @@ def wall_records(
     scene: Scene, measured: Measurement, step: int, thickness: float, onset: Array
 ) -> list[WallRecord]:
     """Return a row for each facing pair of a step; `onset` is where each has opened, shape (pairs,)."""
-    facing, clump = scene.facing, measured.forces.clumps()
+    facing, clump = scene.facing, clumps(scene, measured, thickness)
     count = len(facing.pairs)
     is_open = measured.gap > OPEN * thickness
     largest = np.full(count, -np.inf)
@@ -239,6 +240,12 @@ def parted_pairs(scene: Scene, measured: Measurement, thickness: float) -> NDArr
     facing = scene.facing
     closed = facing.is_middle & (measured.gap <= OPEN * thickness)
     return np.asarray(np.bincount(facing.pair[closed], minlength=len(facing.pairs)) == 0)
+
+
+def clumps(scene: Scene, measured: Measurement, thickness: float) -> NDArray[np.int64]:
+    """Return the clump that each body belongs to, shape (bodies,): bodies joined by walls that have not parted."""
+    joined = scene.facing.pairs[~parted_pairs(scene, measured, thickness)]
+    return components(len(measured.forces.on_body), joined[:, 0], joined[:, 1])
 
 
 def _surplus_of_work(before: WorkPoint | None, now: WorkPoint) -> float:

@@ -33,7 +33,7 @@ class StepRecord:
     opened_share : float
         Share of the facing wall length that is apart, in [0, 1].
     clumps, largest_clump : int
-        Number of clumps of cells in touch, and number of cells in the largest.
+        Number of clumps of cells joined by walls that have not parted, and number of cells in the largest.
     plate_force_x, plate_force_y : float
         Force that the moved plate exerts on the tissue [stress * length**2], positive along the axis.
     contact_force : float
@@ -90,7 +90,7 @@ class WallRecord:
     parted : bool
         Whether the walls are apart along the whole middle half of the wall.
     clump : int
-        Number of the clump of cells still in touch that `cell_a` belongs to.
+        Number of the clump of cells still joined that `cell_a` belongs to.
     onset : float
         Plate displacement at which the pair's mean gap first reached 5 % of the wall's thickness [length]; NaN where it
         has not.
@@ -127,7 +127,7 @@ class CellRecord:
         Pressure of what the cell holds [stress]: given, found as that of its fluid, or the mean one of its inclusion;
         0 in an empty cell.
     clump : int
-        Number of the clump of cells still in touch that it belongs to.
+        Number of the clump of cells that it belongs to, joined by walls that have not parted.
     clump_size : int
         Number of cells of this clump.
     held : bool
