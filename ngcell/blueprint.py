@@ -7,10 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.errors import CaseError
 from ngcell.geometry.bodies import LUMEN, BodyMesh
 from ngcell.geometry.drawn import drawn_face
+from ngcell.geometry.rings import along_walls
 from ngcell.geometry.shapes import check_boundaries, mesh_shapes
 from ngcell.geometry.tissue import tissue_mesh
+from ngcell.mechanics.fibres import FibreLaw
 from ngcell.mechanics.filling import cell_pressures
 from ngcell.mechanics.fluid import LumenFluids
 from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
@@ -18,7 +21,18 @@ from ngcell.mechanics.loading import moved_region, plate_travel, prescribed_moti
 from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
-from ngcell.scene import Body, BodyCase, BodyScene, Case, CellPressure, Fluid, Inclusion, MooneyRivlin, Sddp
+from ngcell.scene import (
+    Body,
+    BodyCase,
+    BodyScene,
+    Case,
+    CellPressure,
+    ExponentialFibres,
+    Fluid,
+    Inclusion,
+    MooneyRivlin,
+    Sddp,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +61,8 @@ class Blueprint:
         Law of what fills the lumens.
     fluid : LumenFluids, optional
         Fluids in the lumens.
+    fibre_direction : array of float, shape (elements, 2), optional
+        Direction in the plane from which angles of fibres are measured.
     cell_pressure : array of float, shape (bodies,), optional
         Pressures that cells are under at load factor 1 [stress].
     """
@@ -61,6 +77,7 @@ class Blueprint:
     loads: BoundaryLoads | None = None
     filling: MooneyRivlinLaw | None = None
     fluid: LumenFluids | None = None
+    fibre_direction: NDArray[np.float64] | None = None
     cell_pressure: NDArray[np.float64] | None = None
 
 
@@ -95,15 +112,14 @@ def _tissue_blueprint(case: Case) -> Blueprint:
         compact_first=isinstance(case.strategy, Sddp),
         loads=loads,
         filling=_law(lumen.material) if isinstance(lumen, Inclusion) else None,
+        fibre_direction=along_walls(bodies.mesh) if case.material.fibres else None,
         cell_pressure=pressures.pressure if pressures else None,
         fluid=_fluids(space, lumen, case.material) if isinstance(lumen, Fluid) else None,
     )
 
 
 def _fluids(space: DisplacementSpace, lumen: Fluid, wall: MooneyRivlin) -> LumenFluids:
-    return LumenFluids(
-        space, LUMEN, modulus=wall.c1 + wall.c2, fill=lumen.fill, in_full=lumen.ramp == "first"
-    )
+    return LumenFluids(space, LUMEN, modulus=wall.c1 + wall.c2, fill=lumen.fill, in_full=lumen.ramp == "first")
 
 
 def _drawn(case: BodyCase) -> BodyScene:
@@ -154,8 +170,28 @@ def _body_blueprint(scene: BodyScene) -> Blueprint:
         travel=np.array(moving[0].shift if moving else (0.0, 0.0)),
         compact_first=False,
         loads=BoundaryLoads(space, scene.loads, motion) if scene.loads else None,
+        fibre_direction=_fibre_directions(scene, bodies),
     )
 
 
 def _law(material: MooneyRivlin) -> MooneyRivlinLaw:
-    return MooneyRivlinLaw(material.c1, material.c2, material.bulk_modulus)
+    fibres = material.fibres
+    if fibres is None:
+        return MooneyRivlinLaw(material.c1, material.c2, material.bulk_modulus)
+    exponent = fibres.exponent if isinstance(fibres, ExponentialFibres) else 0.0
+    law = FibreLaw(fibres.stiffness, exponent, tuple(np.radians(fibres.angles).tolist()))
+    return MooneyRivlinLaw(material.c1, material.c2, material.bulk_modulus, law)
+
+
+def _fibre_directions(scene: BodyScene, bodies: BodyMesh) -> NDArray[np.float64] | None:
+    """Return the direction of each element of drawn bodies; None where none has fibres."""
+    given = [body.material.fibres for body in scene.bodies]
+    if not any(given):
+        return None
+    directions = np.tile([1.0, 0.0], (len(given), 1))
+    for number, (body, fibres) in enumerate(zip(scene.bodies, given, strict=True)):
+        if fibres is not None and fibres.direction is None:
+            raise CaseError(f"{body.name}: its fibres have no direction; allowed: a vector in the plane")
+        if fibres is not None:
+            directions[number] = fibres.direction / np.linalg.norm(fibres.direction)
+    return directions[bodies.body_of_element]

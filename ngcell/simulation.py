@@ -114,7 +114,8 @@ class Simulation:
             self.blueprint = draw_up(scene)
             self.bodies, self.space = self.blueprint.bodies, self.blueprint.space
             self.walls = find_walls(self.bodies, self.space.scalar, self.space.rest)
-        self.bulk = BulkEnergy(self.space, self.blueprint.laws, self.blueprint.loads, self.blueprint.filling)
+        drawn = self.blueprint
+        self.bulk = BulkEnergy(self.space, drawn.laws, drawn.loads, drawn.filling, drawn.fibre_direction)
         self.motion = self.blueprint.motion
         self.longest_step = self.bodies.thickness / 2
         self.scene = Scene(

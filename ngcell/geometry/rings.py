@@ -131,6 +131,18 @@ def ring_mesh(
     )
 
 
+def along_walls(mesh: ngsolve.Mesh) -> Array:
+    """Return the direction along its wall of each quadrilateral of rings, shape (elements, 2).
+
+    It is that from the middle of one end of the element to the middle of the other: in a straight wall the wall's own,
+    and in no element that of the wall round the corner.
+    """
+    points = np.array([vertex.point for vertex in mesh.vertices])
+    corners = points[[[vertex.nr for vertex in element.vertices] for element in mesh.Elements(ngsolve.VOL)]]
+    along = corners[:, 1] - corners[:, 0] + corners[:, 2] - corners[:, 3]
+    return np.asarray(along / np.linalg.norm(along, axis=1)[:, None])
+
+
 def _ring_quads(layer: NDArray[np.int64]) -> NDArray[np.int64]:
     outer, inner = layer[:-1], layer[1:]
     corners = [outer, np.roll(outer, -1, axis=1), np.roll(inner, -1, axis=1), inner]

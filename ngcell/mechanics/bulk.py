@@ -35,6 +35,8 @@ class BulkEnergy:
         Loads on boundaries, taken at the load factor that was last applied to them. By default there are none.
     filling : MooneyRivlinLaw, optional
         Law of what fills the lumens; needed where there is something.
+    fibre_direction : array of float, shape (elements, 2), optional
+        Unit vector in the plane from which angles of fibres are measured, in each element; needed where a law has any.
     """
 
     def __init__(
@@ -43,11 +45,14 @@ class BulkEnergy:
         laws: Sequence[MooneyRivlinLaw],
         loads: BoundaryLoads | None = None,
         filling: MooneyRivlinLaw | None = None,
+        fibre_direction: Array | None = None,
     ) -> None:
         self._space = space
         self.laws = tuple(laws)
         self.filling = filling
         self.loads = loads
+        self.fibre_direction = fibre_direction
+        direction = None if fibre_direction is None else _by_element(space, fibre_direction)
         trial = space.vector.TrialFunction()
         gradient = ngsolve.Id(space.dimension) + ngsolve.Grad(trial)
         self._form = ngsolve.BilinearForm(space.vector, symmetric=True)
@@ -56,8 +61,10 @@ class BulkEnergy:
                 name for name, mine in zip(space.bodies.body_names, self.laws, strict=True) if mine == law
             )
             region = space.bodies.mesh.Materials(names)
-            energy = law.stored_energy(gradient).Compile()
-            self._form += ngsolve.Variation(energy * ngsolve.dx(definedon=region))
+            energy = law.stored_energy(gradient)
+            if law.fibres is not None:
+                energy += law.fibres.stored_energy(gradient, direction)
+            self._form += ngsolve.Variation(energy.Compile() * ngsolve.dx(definedon=region))
         if filling is not None:
             region = space.bodies.mesh.Materials(FILLING)
             reduced = ngsolve.dx(definedon=region, intrules={ngsolve.ET.QUAD: reduced_rule(space)})
@@ -101,3 +108,11 @@ class BulkEnergy:
     def _at(self, displacement: Array) -> ngsolve.BaseVector:
         self._state.FV().NumPy()[:] = displacement
         return self._state
+
+
+def _by_element(space: DisplacementSpace, values: Array) -> tuple[ngsolve.GridFunction, ...]:
+    """Return functions that are constant in each element, from values of shape (elements, components)."""
+    functions = tuple(ngsolve.GridFunction(ngsolve.L2(space.bodies.mesh, order=0)) for _ in values.T)
+    for function, column in zip(functions, values.T, strict=True):
+        function.vec.FV().NumPy()[:] = column
+    return functions

@@ -19,6 +19,8 @@ import ngsolve
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.mechanics.fibres import FibreLaw
+
 Array = NDArray[np.float64]
 
 
@@ -32,11 +34,14 @@ class MooneyRivlinLaw:
         Constants [stress], c1 > 0, c2 >= 0; c2 = 0 is neo-Hookean.
     bulk_modulus : float
         kappa [stress], > 0.
+    fibres : FibreLaw, optional
+        Fibres, which add to the stored energy given here.
     """
 
     c1: float
     c2: float
     bulk_modulus: float
+    fibres: FibreLaw | None = None
 
     @property
     def shear_modulus(self) -> float:

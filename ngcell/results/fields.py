@@ -198,6 +198,9 @@ def _cauchy_stress(assembly: Assembly, gradient: Array, element: Index) -> Array
         mine = members[element]
         with np.errstate(divide="ignore", invalid="ignore"):
             stress[mine] = law.cauchy_stress(gradient[mine])
+            if law.fibres is not None:
+                direction = assembly.bulk.fibre_direction[element[mine]]
+                stress[mine] += law.fibres.cauchy_stress(gradient[mine], direction)
     return stress
 
 

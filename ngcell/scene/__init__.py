@@ -12,7 +12,7 @@ from ngcell.scene.expected import BodyExpected, Expected
 from ngcell.scene.kinds import AnyCase
 from ngcell.scene.load import Frame, Load, Plates
 from ngcell.scene.lumen import CellPressure, Fluid, Inclusion
-from ngcell.scene.material import Material, MooneyRivlin
+from ngcell.scene.material import ExponentialFibres, Material, MooneyRivlin, QuadraticFibres
 from ngcell.scene.mesh import BodyMeshChoice, MeshChoice, Refinement
 from ngcell.scene.reader import read_case, resolved_toml
 from ngcell.scene.strategy import Sddp, SingleStep, Strategy
@@ -34,6 +34,7 @@ __all__ = [
     "Disc",
     "DrawnBody",
     "Expected",
+    "ExponentialFibres",
     "Fluid",
     "Frame",
     "Inclusion",
@@ -45,6 +46,7 @@ __all__ = [
     "Penalty",
     "Plates",
     "Pressure",
+    "QuadraticFibres",
     "Refinement",
     "Ring",
     "Sddp",

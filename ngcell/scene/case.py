@@ -11,7 +11,7 @@ from pydantic_core import PydanticCustomError
 from ngcell.scene.contact import Contact, Penalty
 from ngcell.scene.expected import Expected
 from ngcell.scene.load import Load
-from ngcell.scene.lumen import CellPressure, Lumen
+from ngcell.scene.lumen import CellPressure, Inclusion, Lumen
 from ngcell.scene.material import Material
 from ngcell.scene.mesh import MeshChoice
 from ngcell.scene.section import SECTION
@@ -71,6 +71,28 @@ class Case(BaseModel):
     def smallest_step_count(self) -> int:
         """Smallest number of load steps: what the strategy asks for, else one for each level."""
         return self.strategy.steps or len(self.load.level_factors)
+
+    @field_validator("material")
+    @classmethod
+    def _along_walls(cls, material: Material) -> Material:
+        if material.fibres is not None and material.fibres.direction is not None:
+            raise PydanticCustomError(
+                "limit",
+                "is that of the wall in a tissue; allowed: no direction, or angles from the wall's",
+                {"place": ("fibres", "direction")},
+            )
+        return material
+
+    @field_validator("lumen")
+    @classmethod
+    def _without_fibres(cls, lumen: Lumen | None) -> Lumen | None:
+        if isinstance(lumen, Inclusion) and lumen.material.fibres is not None:
+            raise PydanticCustomError(
+                "limit",
+                "run along walls, which a lumen has none of; allowed: no fibres in an inclusion",
+                {"place": ("material", "fibres")},
+            )
+        return lumen
 
     @field_validator("lumen")
     @classmethod

@@ -155,10 +155,17 @@ class BodyCase(BaseModel):
     @classmethod
     def _names_and_walls(cls, bodies: tuple[DrawnBody, ...]) -> tuple[DrawnBody, ...]:
         names = [body.name for body in bodies]
-        for number, name in enumerate(names):
+        for number, (name, body) in enumerate(zip(names, bodies, strict=True)):
             if name in names[:number]:
                 raise PydanticCustomError(
                     "limit", "is used twice; allowed: a name of its own for each body", {"place": (number, "name")}
+                )
+            fibres = body.material.fibres
+            if fibres is not None and fibres.direction is None:
+                raise PydanticCustomError(
+                    "limit",
+                    "is missing; allowed: a vector in the plane, from which the angles are measured",
+                    {"place": (number, "material", "fibres", "direction")},
                 )
         if not any(body.wall_boundaries for body in bodies):
             raise PydanticCustomError(

@@ -27,7 +27,7 @@ ALLOWED = {
     "results": {"errors", "scene", "geometry", "mechanics", "contact"},
     "export": {"errors", "scene", "geometry", "mechanics", "contact", "results"},
     "solve": {"errors", "clock"},
-    "blueprint": {"scene", "geometry", "mechanics"},
+    "blueprint": {"errors", "scene", "geometry", "mechanics"},
     "standing": {"results"},
     "simulation": {"standing", "blueprint", "clock", "scene", "geometry", "mechanics", "contact", "results", "solve"},
     "verification": {"errors", "scene", "results", "simulation"},

@@ -102,6 +102,12 @@ WRONG: dict[str, tuple[tuple[str, str], int, str, str]] = {
     "short corner": (("low = [1.0, 0.0]", "low = [1.0]"), 15, "bodies[1].low = [1.0]", "[a finite number, a finite"),
     "unknown part": (('"upper-right"', '"top"'), 9, 'bodies[0].part = "top"', 'one of "whole", "right"'),
     "wall that is no side": (('["left"]', '["inner"]'), 17, "bodies[1].walls", "allowed: bottom, top, left, right"),
+    "fibres without direction": (
+        ("c1 = 1.0", 'fibres = { kind = "quadratic", stiffness = 1.0, angles = [0.0] }\nc1 = 1.0'),
+        20,
+        "bodies[1].material.fibres.direction",
+        "is missing; allowed: a vector in the plane",
+    ),
     "material without stiffness": (("c1 = 1.0", "c1 = 0"), 20, "bodies[1].material.c1 = 0", "a finite number > 0"),
     "unknown material": (('[bodies.material]\nkind = "mooney-rivlin"', '[bodies.material]\nkind = "mooney"'), 19,
                          'bodies[1].material.kind = "mooney"', "did you mean mooney-rivlin?"),

@@ -46,6 +46,7 @@ TISSUES = [
     "shear-empty",
     "shear-empty-3x3",
     "shear-empty-single-step",
+    "shear-fibres",
     "shear-filled",
     "shear-fluid",
     "shear-pressurised",

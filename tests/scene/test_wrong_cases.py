@@ -17,6 +17,8 @@ EXPECTED = (
     '[[expected]]\nlevel = 1.0\nquantity = "energy"\nvalue = 1.0\ntolerance = 0.01\norigin = "a second way"\n'
 )
 
+FIBRES = '[material.fibres]\nkind = "quadratic"\nstiffness = 1.0\nangles = [0.0]'
+
 
 def expected(old: str, new: str) -> tuple[str, str]:
     """Append an expected number with one of its lines replaced."""
@@ -49,6 +51,24 @@ WRONG: dict[str, tuple[tuple[str, str], int, str, str]] = {
         22,
         "lumen.fill = 0.0",
         "a finite number > 0",
+    ),
+    "fibres with a direction of their own in a tissue": (
+        ("levels = 2\n", f"levels = 2\n\n{FIBRES}\ndirection = [1.0, 0.0]\n"),
+        24,
+        "material.fibres.direction",
+        "is that of the wall in a tissue",
+    ),
+    "fibres beyond the axis": (
+        ("levels = 2\n", f"levels = 2\n\n{FIBRES}\n".replace("[0.0]", "[95.0]")),
+        23,
+        "material.fibres.angles[0] = 95.0",
+        "a finite number from -90 to 90",
+    ),
+    "three families": (
+        ("levels = 2\n", f"levels = 2\n\n{FIBRES}\n".replace("[0.0]", "[0.0, 1.0, 2.0]")),
+        23,
+        "material.fibres.angles",
+        "allowed: one angle, or two",
     ),
     "unknown filling": (
         ("levels = 2\n", 'levels = 2\n\n[lumen]\nkind = "fluids"\n'),
