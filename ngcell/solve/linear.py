@@ -83,12 +83,11 @@ class SymmetricMatrix:
 
     def add(self, values: Array, matrix: sparse.sparray) -> Array:
         """Return `values` plus the lower triangle of a sparse matrix."""
-        part = sparse.tril(matrix).tocsr().tocoo()
+        part = matrix.tocoo()
         row, column = (index.astype(np.int64) for index in part.coords)
-        position = self.locate(row, column)
-        total = values.copy()
-        total[position] += part.data
-        return total
+        lower = row >= column
+        position = self.locate(row[lower], column[lower])
+        return values + np.bincount(position, weights=part.data[lower], minlength=len(values))
 
     def add_springs(self, values: Array, jacobian: sparse.csr_array, spring: Array) -> Array:
         """Return `values` plus the lower triangle of ``jacobian.T @ diag(spring) @ jacobian``."""

@@ -125,6 +125,7 @@ class Minimiser:
     clock: Clock = field(default_factory=Clock)
     effort: Effort = field(default_factory=Effort)
     _matrix: SymmetricMatrix | None = None
+    _near_at: Array | None = None
 
     def minimise(self, start: Array, tether: Tether, tolerance: float = 0.0) -> Minimum:
         """Descend from `start` until the Newton decrement is below `tolerance` [energy], or lost in round-off."""
@@ -155,6 +156,12 @@ class Minimiser:
         self._matrix.factorise(values)
         self.effort.factorisations += 1
         return displacement + jump - self._matrix.solve(self._matrix.multiply(values, jump))
+
+    def adopt_matrix(self, other: Minimiser) -> None:
+        """Take over the matrix of a minimiser that has the same unknowns and bodies, if there is none yet."""
+        if self._matrix is None and other._matrix is not None:
+            self._matrix, self._bulk = other._matrix, other._bulk
+            self._mass, self._mass_values = other._mass, other._mass_values
 
     def tether_energy(self, displacement: Array, tether: Tether) -> float:
         """Return the energy of a tether."""
@@ -273,6 +280,8 @@ class Minimiser:
         return replace(model, stiffness=stiffness)
 
     def _is_near(self, state: State, margin: float) -> bool:
+        if self._near_at is None:
+            return False
         return not self._may_touch or float(np.abs(state.displacement - self._near_at).max()) <= margin / 2
 
     def _make_room(self, state: State) -> None:

@@ -13,9 +13,10 @@ limit, floating cells sit as near to the anchor as contact allows. What the last
 reported.
 
 Numbers: the scale of the strength is shear modulus over cell size squared, which makes the walk independent of units.
-At ``FIRST`` the tether outweighs everything but the wall's own stiffness, at ``LAST`` it is below every stiffness but
-that of floating cells. In between it falls by `NARROWEST` decades from step to step, and by more where no wall closes or
-opens: a tether that falls faster leaves the path where cells come free, and ends on another equilibrium.
+At ``FIRST`` the tether outweighs everything but the wall's own stiffness, and no pressure in the cells drives walls
+through each other before there is contact; at ``LAST`` it is below every stiffness but that of floating cells. In
+between it falls by `NARROWEST` decades from step to step, and by more where no wall closes or opens: a tether that falls
+faster leaves the path where cells come free, and ends on another equilibrium.
 """
 
 from __future__ import annotations
@@ -105,6 +106,7 @@ class Release:
             if len(rest) > 1 and strength <= max(STIFFEN_AT, self.last):
                 rest.pop(0)
                 rest[0].problem.follow(minimiser.problem, minimum.state)
+                rest[0].adopt_matrix(minimiser)
                 continue
             # Longer and longer strides while no wall closes or opens.
             decades = min(2 * decades, WIDEST) if factorisations <= 1 else self.narrowest
