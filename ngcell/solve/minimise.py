@@ -163,6 +163,10 @@ class Minimiser:
             self._matrix, self._bulk = other._matrix, other._bulk
             self._mass, self._mass_values = other._mass, other._mass_values
 
+    def forget_matrix(self) -> None:
+        """Make the next matrix anew, so that its order of elimination tells nothing of earlier minimisations."""
+        self._matrix = self._near_at = None
+
     def tether_energy(self, displacement: Array, tether: Tether) -> float:
         """Return the energy of a tether."""
         away = displacement - tether.anchor

@@ -37,6 +37,8 @@ _log = logging.getLogger(__name__)
 FIRST, LAST = 1e3, 1e-7
 #: Decades by which the tether falls from one minimisation to the next, at least and at most.
 NARROWEST, WIDEST = 0.25, 1.0
+#: Share of the longest step to which the place is rounded where a walk begins.
+LAST_DIGIT = 1e-6
 #: Strength, in units of the scale, at which contact stiffens: walls have found their partners there, and floating cells
 #: are still held well enough to follow.
 STIFFEN_AT = 1e-5
@@ -88,17 +90,20 @@ class Release:
         start, anchor : array of float, shape (unknowns,)
             Where the walk starts and where the tether pulls to [length].
         """
-        # Down to round-off, so that whatever the start, the walk goes on from the same place.
+        # Down to round-off, and then cut, so that whatever the start, the walk goes on from the same place.
         strength, decades = self.first, self.narrowest
         minimum, _ = self._minimise(apart, start, anchor, strength, 0.0)
         rest, missed = list(minimisers), 0.0
+        for minimiser in minimisers:
+            minimiser.forget_matrix()
+        place = _without_round_off(minimum.state.displacement, minimisers[0])
         while minimum.ending is Ending.CONVERGED:
             minimiser, is_end = rest[0], len(rest) == 1 and strength <= self.last
             share = AT_THE_END if is_end else ON_THE_WAY
-            place = minimum.state.displacement
             minimum, factorisations = self._minimise(minimiser, place, anchor, strength, share, UPDATE * missed)
             if minimum.ending is not Ending.CONVERGED:
                 break
+            place = minimum.state.displacement
             if is_end:
                 tether, length = self.last_tether(anchor), minimiser.longest_step
                 return until_conditions_hold(minimiser, minimum, tether, length, self.last)
@@ -146,6 +151,16 @@ def until_conditions_hold(
         if minimum.ending is not Ending.CONVERGED:
             return minimum
     return replace(minimum, ending=Ending.CONDITIONS_MISSED)
+
+
+def _without_round_off(place: Array, minimiser: Minimiser) -> Array:
+    """Return a place where round-off says nothing of how it was reached: digits that no equilibrium hangs on are cut.
+
+    A nearly symmetric tissue chooses between branches by its last digits. From here the walk is the same to the bit,
+    whatever the start and the levels before.
+    """
+    digit = LAST_DIGIT * minimiser.longest_step
+    return np.where(minimiser.problem.free, digit * np.round(place / digit), place)
 
 
 def _minimise(

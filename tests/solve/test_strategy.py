@@ -74,9 +74,10 @@ def test_both_strategies_end_at_the_same_equilibrium():
     assert_same(sheared(), by_single_step(sheared())[-1], reference())
 
 
-def test_both_strategies_agree_where_equilibria_are_many():
+def test_both_strategies_agree_to_the_bit_where_equilibria_are_many():
     tissue = small_tissue(3, 3, order=2, edges=4, wall=0.1, travel=(0.3, 0.0))
-    assert_same(tissue, by_single_step(tissue)[-1], by_sddp(tissue)[-1])
+    one, other = by_single_step(tissue)[-1], by_sddp(tissue, steps=2)[-1]
+    np.testing.assert_array_equal(one.minimum.state.displacement, other.minimum.state.displacement)
 
 
 @pytest.mark.parametrize("walk", [by_sddp, by_single_step])
@@ -156,12 +157,13 @@ class FakeMinimiser:
 
     stride: float
     effort: Effort = field(default_factory=Effort)
-    longest_step: float = 1.0
+    longest_step: float = 1e-3
     reached: float = 0.0
     asked: list[float] = field(default_factory=list)
     strengths: list[float] = field(default_factory=list)
 
     problem = SimpleNamespace(
+        free=np.ones(1, dtype=bool),
         expand=lambda displacement: displacement,
         improve=lambda state: (0.0, 0.0),
         follow=lambda other, state: None,
@@ -176,6 +178,9 @@ class FakeMinimiser:
         self.reached = goal if found else self.reached
         ending = Ending.CONVERGED if found else Ending.NO_DESCENT
         return Minimum(SimpleNamespace(displacement=start, energy=0.0), ending, 0.0)
+
+    def forget_matrix(self) -> None:
+        pass
 
     def predict(self, displacement: np.ndarray, imposed: np.ndarray, weight: float) -> np.ndarray:
         return imposed
