@@ -138,6 +138,7 @@ def _drawn(case: BodyCase) -> BodyScene:
         contact=case.contact,
         loads=tuple(load.resolved for load in case.loads),
         refinements=case.mesh.refine,
+        cohesion=case.cohesion,
     )
 
 

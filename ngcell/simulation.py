@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +39,9 @@ from ngcell.solve.minimise import Minimiser
 from ngcell.solve.selection import Release
 from ngcell.solve.strategy import Accepted, Released, compact_then_released, single_step
 from ngcell.standing import Standing
+
+if TYPE_CHECKING:
+    from ngcell.contact.cohesion import Bonds
 
 #: Walls that face each other nearer than this share of their thickness count as touching at rest.
 _TOUCHING = 0.05
@@ -105,7 +109,7 @@ class Simulation:
     """
 
     def __init__(self, scene: AnyCase | BodyScene, clock: Clock | None = None) -> None:
-        self._contact = scene.contact
+        self._contact, self._cohesion = scene.contact, scene.cohesion
         self._step_count = scene.smallest_step_count
         self._expected = () if isinstance(scene, BodyScene) else scene.expected
         self.levels = scene.level_factors
@@ -143,9 +147,18 @@ class Simulation:
         methods = contact_ladder(self._contact, self.walls, moduli, reach=2 * self.longest_step)
         return tuple(self._assembly(contact=method) for method in methods)
 
+    @cached_property
+    def _bonds(self) -> Bonds | None:
+        """What holds walls together, if anything does."""
+        if self._cohesion is None:
+            return None
+        from ngcell.contact.cohesion import ExponentialLaw, bond_walls
+
+        return bond_walls(self.walls, ExponentialLaw(self._cohesion.strength, self._cohesion.energy))
+
     def _assembly(self, *, contact: ContactMethod | None = None, tie: Tie | None = None) -> Assembly:
-        fluid = self.blueprint.fluid
-        return Assembly(self.space, self.bulk, self.motion.fixed, contact=contact, tie=tie, fluid=fluid)
+        fluid, bonds = self.blueprint.fluid, self._bonds if tie is None else None
+        return Assembly(self.space, self.bulk, self.motion.fixed, contact=contact, tie=tie, fluid=fluid, bonds=bonds)
 
     def walk(self, standing: Standing | None = None) -> Iterator[Step]:
         """Yield the accepted steps, or those that follow where an earlier walk stood.
@@ -162,7 +175,8 @@ class Simulation:
                 measurement = self._measure(accepted, standing.work.get(accepted.phase))
                 number, displacement = standing.count, accepted.minimum.state.displacement
                 # Terms with a memory hand it over here, and take it up again from `standing.memory` at the start.
-                standing = standing.after(accepted.phase, displacement, measurement.work)
+                memory = self._memory(accepted)
+                standing = standing.after(accepted.phase, displacement, measurement.work, memory)
                 step = self._step(number, accepted, measurement, perf_counter() - started, standing)
                 standing = step.standing
             yield step
@@ -170,17 +184,46 @@ class Simulation:
 
     def _accepted(self, standing: Standing) -> Iterator[Accepted]:
         steps, done, last = self._steps(), standing.count, standing.displacement
-        if not self.blueprint.compact_first:
-            return single_step(self._released(), self.motion, steps=steps, done=done, last=last.get("contact"))
-        return compact_then_released(
-            self._minimiser(self.compact, np.inf),
-            self._released(),
-            self.motion,
-            steps=steps,
-            levels=self.levels,
-            done=done,
-            last_compact=last.get("compact"),
+        if self.blueprint.compact_first:
+            return compact_then_released(
+                self._minimiser(self.compact, np.inf),
+                self._released(),
+                self.motion,
+                steps=steps,
+                levels=self.levels,
+                done=done,
+                last_compact=last.get("compact"),
+            )
+        if self._bonds is not None:
+            return self._walk_forward(self._bonds, steps, standing)
+        return single_step(self._released(), self.motion, steps=steps, done=done, last=last.get("contact"))
+
+    def _walk_forward(self, bonds: Bonds, steps: list[float], standing: Standing) -> Iterator[Accepted]:
+        """Yield the accepted steps of a walk whose bonds remember, after those that are done."""
+        from ngcell.solve.forward import ForwardWalk
+
+        walk = ForwardWalk(self._released(), self.motion)
+        if not standing.count:
+            return walk.steps(steps)
+        bonds.largest = standing.memory["largest_opening"]
+        return walk.steps(
+            steps,
+            load=standing.work["contact"].load_factor,
+            displacement=standing.displacement["contact"],
+            dissipation=float(standing.memory["dissipation"]),
+            increment=float(standing.memory["increment"]),
         )
+
+    def _memory(self, accepted: Accepted) -> dict[str, NDArray[np.float64]] | None:
+        """Return what a walk with bonds has to know to go on; None where nothing is remembered."""
+        if self._bonds is None or self.blueprint.compact_first or accepted.account is None:
+            return None
+        account = accepted.account
+        return {
+            "largest_opening": self._bonds.largest,
+            "dissipation": np.array(account.dissipation),
+            "increment": np.array(account.increment),
+        }
 
     def _released(self) -> Released:
         minimisers = [self._minimiser(assembly, self.longest_step) for assembly in self._ladder]
@@ -188,7 +231,8 @@ class Simulation:
         apart = self._minimiser(self._assembly(), self.longest_step)
         scale = shear_modulus / self.bodies.length**2
         path = Release(scale, first=_FIRST_OVERLAPPING) if self._overlaps_at_rest else Release(scale)
-        return Released(apart, tuple(minimisers), path, self.blueprint.loads or self.blueprint.fluid)
+        history = None if self._bonds is None else self.released
+        return Released(apart, tuple(minimisers), path, self.blueprint.loads or self.blueprint.fluid, history)
 
     @property
     def _overlaps_at_rest(self) -> bool:
@@ -224,6 +268,7 @@ class Simulation:
             load_factor=accepted.load_factor,
             tether_force=force,
             before=before,
+            account=accepted.account,
         )
 
     def _cell_pressure(
@@ -264,6 +309,9 @@ class Simulation:
             factorisations=accepted.effort.factorisations,
             seconds=seconds,
             certified=measured.certificate.passed,
+            separation_energy=measured.separation_energy,
+            bonded_share=measured.bonded_share,
+            dissipation=measured.dissipation,
         )
         snapshot, findings, wall_rows, cell_rows = None, [], [], []
         if is_level and is_contact:

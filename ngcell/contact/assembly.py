@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,9 @@ from ngcell.contact.tie import Tie
 from ngcell.mechanics.bulk import BulkEnergy
 from ngcell.mechanics.fluid import LumenFluids
 from ngcell.mechanics.space import DisplacementSpace, csr_matrix
+
+if TYPE_CHECKING:
+    from ngcell.contact.cohesion import Bonds
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -32,7 +36,7 @@ class State:
     displacement : array of float, shape (unknowns,)
         The displacement [length].
     energy : float
-        Bulk plus contact energy [stress * length**dimension]; NaN where an element is inverted.
+        Energy of bulk, contact and bonds [stress * length**dimension]; NaN where an element is inverted.
     contact : ContactSet or None
         The partners at this displacement.
     """
@@ -55,7 +59,7 @@ class Linearisation:
     stiffness : array of float
         K without `curvature`, on the lower pattern of the assembly.
     curvature : coo_array or None
-        Geometric part of closed contacts.
+        Geometric part of closed contacts, and the tangent of bonds.
     gap, jacobian, spring : array, csr_array, array
         The springs: gaps, their derivatives by the unknowns, and stiffness.
     keys : array of int
@@ -88,6 +92,8 @@ class Assembly:
         Ties between walls.
     fluid : LumenFluids, optional
         Fluids in the lumens; by default there are none.
+    bonds : Bonds, optional
+        Cohesion between walls; not together with a tie.
     """
 
     def __init__(
@@ -99,11 +105,13 @@ class Assembly:
         contact: ContactMethod | None = None,
         tie: Tie | None = None,
         fluid: LumenFluids | None = None,
+        bonds: Bonds | None = None,
     ) -> None:
         self.space = space
         self.bulk = bulk
         self.contact = contact
         self.fluid = fluid
+        self.bonds = bonds
         self._tie = _by_component(tie, space) if tie is not None else None
         self.fixed = fixed.ravel()
         self.free = ~self.fixed
@@ -135,6 +143,8 @@ class Assembly:
             positions = self.positions(full)
             contact = self.contact.pair(positions)
             energy += contact.energy(positions)
+        if self.bonds is not None:
+            energy += self.bonds.energy(self.positions(full))
         return State(displacement, energy, contact)
 
     def move(self, displacement: Array, step: Array) -> Array:
@@ -168,10 +178,11 @@ class Assembly:
         return sign * displacement[master]
 
     def potential(self, displacement: Array) -> float:
-        """Return what loads and fluids add to the energy of a state without being stored in it."""
+        """Return what loads, fluids and broken bonds add to the energy of a state without being stored in it."""
         full = self.expand(displacement)
         in_fluids = 0.0 if self.fluid is None else self.fluid.energy(full)
-        return self.bulk.load_potential(full) + in_fluids
+        in_bonds = 0.0 if self.bonds is None else self.bonds.spent(self.positions(full))
+        return self.bulk.load_potential(full) + in_fluids + in_bonds
 
     def gather(self, force: Array) -> Array:
         """Return forces on all unknowns as forces on masters."""
@@ -201,6 +212,8 @@ class Assembly:
         force = self._bulk_force(full)
         if state.contact is not None:
             force += self.contact_force(state)
+        if self.bonds is not None:
+            force += self.bonds.gradient(self.positions(full))
         return self.gather(force)
 
     def contact_force(self, state: State) -> Array:
@@ -215,13 +228,16 @@ class Assembly:
         full = self.expand(state.displacement)
         gradient = self.gather(self._bulk_force(full))
         stiffness = self._lower_stiffness(full)
+        positions, bent = self.positions(full), None
+        if self.bonds is not None:
+            gradient, bent = gradient + self.bonds.gradient(positions), self.bonds.tangent(positions)
         if state.contact is None:
             nothing = np.zeros(0)
             empty = sparse.csr_array((0, self.space.unknowns))
-            return Linearisation(gradient, stiffness, None, nothing, empty, nothing, nothing.astype(np.int64))
-        positions = self.positions(full)
+            return Linearisation(gradient, stiffness, bent, nothing, empty, nothing, nothing.astype(np.int64))
         gap, jacobian, spring = state.contact.springs(positions)
         curvature = state.contact.curvature(positions)
+        curvature = curvature if bent is None else curvature + bent
         return Linearisation(gradient, stiffness, curvature, gap, jacobian, spring, state.contact.keys)
 
     def gaps(self, state: State) -> tuple[Index, Array]:
@@ -252,11 +268,12 @@ class Assembly:
         return np.maximum(row, column), np.minimum(row, column)
 
     def couplings(self, state: State, margin: float) -> tuple[Index, Index]:
-        """Return rows and columns of the lower triangle that contact could fill while nothing moves by more
+        """Return rows and columns of the lower triangle that contact and bonds could fill while nothing moves by more
         than half of `margin` [length]."""
-        if self.contact is None:
-            return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
-        row, column = self.contact.couplings(self.positions(state.displacement), margin)
+        nothing = np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
+        near = nothing if self.contact is None else self.contact.couplings(self.positions(state.displacement), margin)
+        bonded = nothing if self.bonds is None else self.bonds.couplings()
+        row, column = (np.concatenate(part) for part in zip(near, bonded, strict=True))
         shifts = [axis * self.space.size for axis in range(self.space.dimension)]
         rows = np.concatenate([row + i for i in shifts for _ in shifts])
         columns = np.concatenate([column + j for _ in shifts for j in shifts])
@@ -278,6 +295,16 @@ class Assembly:
             off, stored = self.fluid.improve(self.expand(state.displacement))
             missed, energy = max(missed, off), energy + stored
         return missed, energy
+
+    def advance(self, displacement: Array) -> None:
+        """Let bonds remember an accepted state."""
+        if self.bonds is not None:
+            self.bonds.advance(self.positions(displacement))
+
+    def forget(self) -> None:
+        """Let bonds be whole."""
+        if self.bonds is not None:
+            self.bonds.heal()
 
     def hasten(self) -> None:
         """Let contact and fluids learn faster."""

@@ -23,6 +23,7 @@ LIMITS = {
     "smallest_jacobian": 0.0,
     "stabilisation": 1e-3,
     "work_mismatch": 1e-3,
+    "energy_balance": 1e-3,
 }
 MEANING = {
     "residual": "norm of the forces out of balance over that of the internal forces",
@@ -37,6 +38,8 @@ MEANING = {
     "smallest_jacobian": "smallest ratio of deformed to reference volume; must exceed the limit",
     "stabilisation": "norm of the nodal forces of what is left of the tether over that of the internal forces",
     "work_mismatch": "work of the supports minus change of energy, beyond quadrature, over the energy; compact steps",
+    "energy_balance": "work minus change of stored energy, energy of separation and losses, over what a step moves; "
+    "with cohesion",
 }
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,22 @@ Array = NDArray[np.float64]
 
 #: Forces and energies of walls strained by less than this count as nothing when shares are taken.
 _SMALL_STRAIN = 1e-4
+
+
+class Account(Protocol):
+    """Where energy went on the way to a step of a problem with a memory; see `ngcell.solve.strategy.Account`."""
+
+    @property
+    def dissipation(self) -> float:
+        """What was lost as the energy fell at held supports, since rest [stress * length**2]."""
+
+    @property
+    def mismatch(self) -> float:
+        """Work minus the change of all energies and losses, since the step before [stress * length**2]."""
+
+    @property
+    def mismatch_share(self) -> float:
+        """Its magnitude over the energy that the step moved."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +59,12 @@ class NodalForces:
 
 
 def certify(
-    assembly: Assembly, state: State, nodal: NodalForces, forces: ContactForces, unstored_work: float
+    assembly: Assembly,
+    state: State,
+    nodal: NodalForces,
+    forces: ContactForces,
+    unstored_work: float,
+    account: Account | None = None,
 ) -> Certificate:
     """Judge a step.
 
@@ -58,6 +80,8 @@ def certify(
         Forces between bodies.
     unstored_work : float
         Work since the step before that is not stored [stress * length**2].
+    account : Account, optional
+        Where energy went, with cohesion.
     """
     scale = _scales(assembly)
     return Certificate(
@@ -73,6 +97,7 @@ def certify(
             Check("smallest_jacobian", jacobian_range(assembly, state.displacement)[0]),
             Check("stabilisation", _share(nodal.tether, nodal.internal, scale)),
             Check("work_mismatch", _work_mismatch(assembly, unstored_work, state.energy, scale)),
+            *(() if account is None else (Check("energy_balance", account.mismatch_share),)),
         )
     )
 

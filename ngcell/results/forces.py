@@ -1,6 +1,7 @@
 """Forces between bodies and on supports, and what they leave held by nothing.
 
-A contact force is reported as the one on the body with the lower number; the other body feels its opposite.
+A force between bodies is that of their contact and of their bonds together. It is reported as the one on the body with
+the lower number; the other body feels its opposite.
 """
 
 from __future__ import annotations
@@ -17,16 +18,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class ContactForces:
-    """Resultant contact forces between bodies.
+    """Resultant forces between bodies.
 
     Attributes
     ----------
-    bodies : array of int, shape (touching pairs, 2)
-        Bodies in touch, the lower number first.
-    force : array of float, shape (touching pairs, 2)
+    bodies : array of int, shape (pairs, 2)
+        Bodies in touch or joined by bonds, the lower number first.
+    force : array of float, shape (pairs, 2)
         Force on the first body of each pair [stress * length].
     on_body : array of float, shape (bodies, 2)
-        Sum of contact forces on each body.
+        Sum of these forces on each body.
     pressed : array of float, shape (bodies,)
         Sum of the magnitudes of the forces between each body and its partners.
     """
@@ -51,7 +52,7 @@ class ContactForces:
 
 
 def contact_forces(assembly: Assembly, state: State) -> ContactForces:
-    """Return the contact forces of a state; none without contact."""
+    """Return the forces of contact and bonds of a state; none without contact."""
     count = assembly.space.bodies.body_count
     if assembly.contact is None or state.contact is None:
         nothing = np.zeros((0, 2))
@@ -66,6 +67,10 @@ def contact_forces(assembly: Assembly, state: State) -> ContactForces:
     mine, theirs = body[partners.edge[closed]], body[partners.other[closed]]
     on_lower = np.where((mine < theirs)[:, None], force, -force)
     key = np.minimum(mine, theirs) * count + np.maximum(mine, theirs)
+    if assembly.bonds is not None:
+        bonds = assembly.bonds
+        on_lower = np.concatenate([on_lower, -bonds.slopes(positions)[:, :2]])
+        key = np.concatenate([key, bonds.bodies @ [count, 1]])
     found, place = np.unique(key, return_inverse=True)
     sums = np.zeros((len(found), 2))
     np.add.at(sums, place.ravel(), on_lower)

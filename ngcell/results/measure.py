@@ -13,7 +13,7 @@ from ngcell.contact.walls import Walls
 from ngcell.geometry.near import components
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.results.certificate import Certificate
-from ngcell.results.checks import NodalForces, certify
+from ngcell.results.checks import Account, NodalForces, certify
 from ngcell.results.forces import ContactForces, body_resultants, contact_forces
 from ngcell.results.record import WallRecord
 
@@ -93,6 +93,12 @@ class Measurement:
         Nodal forces of the supports on the bodies [stress * length].
     filling_rate : float
         Work for each unit of the loads' share that filling up fluids takes [stress * length**2].
+    separation_energy : float
+        Energy of separation that bonds do not give back [stress * length**2]; 0 without cohesion.
+    bonded_share : float
+        Share of the bonded length that has not been opened beyond its strength; 0 without cohesion.
+    dissipation : float
+        Energy that was lost as walls snapped or bonds softened at held supports [stress * length**2].
     """
 
     load_factor: float
@@ -108,6 +114,9 @@ class Measurement:
     certificate: Certificate
     reaction: Array
     filling_rate: float = 0.0
+    separation_energy: float = 0.0
+    bonded_share: float = 0.0
+    dissipation: float = 0.0
 
     @property
     def work(self) -> WorkPoint:
@@ -135,6 +144,7 @@ def measure(
     load_factor: float,
     tether_force: Array,
     before: WorkPoint | None,
+    account: Account | None = None,
 ) -> Measurement:
     """Measure an accepted step.
 
@@ -152,6 +162,8 @@ def measure(
         Nodal forces that the tether exerts on the bodies [stress * length].
     before : WorkPoint, optional
         The accepted step before, of the same phase.
+    account : Account, optional
+        Where energy went, where that is known better than from the step before.
     """
     displacement = assembly.expand(state.displacement)
     positions = assembly.positions(displacement)
@@ -166,7 +178,9 @@ def measure(
         pushed = pushed - fluid.gradient(displacement)
         filling_rate = fluid.filling_rate(displacement)
     contact = assembly.contact_force(state)
-    # Supports carry what internal, contact, load and tether forces leave.
+    if assembly.bonds is not None:
+        contact = contact + assembly.bonds.gradient(positions)
+    # Supports carry what internal, contact, bond, load and tether forces leave.
     reaction = assembly.reactions(internal + contact - pushed - tether_force)
     work_rate = float(reaction @ scene.motion.imposed(np.zeros_like(reaction), 1.0))
     forces = contact_forces(assembly, state)
@@ -176,9 +190,9 @@ def measure(
     acting = loads or fluid
     load_share = 0.0 if acting is None else acting.share(load_factor)
     work = WorkPoint(load_factor, load_share, state.energy, work_rate, load_potential, filling_rate)
-    surplus = _surplus_of_work(before, work)
+    surplus = 0.0 if account is not None else _surplus_of_work(before, work)
     nodal = NodalForces(internal, reaction, pushed, tether_force)
-    certificate = certify(assembly, state, nodal, forces, surplus)
+    certificate = certify(assembly, state, nodal, forces, surplus, account)
     return Measurement(
         load_factor,
         state.energy,
@@ -193,6 +207,8 @@ def measure(
         certificate,
         reaction,
         filling_rate,
+        *_of_bonds(assembly, positions),
+        dissipation=0.0 if account is None else account.dissipation,
     )
 
 
@@ -246,6 +262,14 @@ def clumps(scene: Scene, measured: Measurement, thickness: float) -> NDArray[np.
     """Return the clump that each body belongs to, shape (bodies,): bodies joined by walls that have not parted."""
     joined = scene.facing.pairs[~parted_pairs(scene, measured, thickness)]
     return components(len(measured.forces.on_body), joined[:, 0], joined[:, 1])
+
+
+def _of_bonds(assembly: Assembly, positions: Array) -> tuple[float, float]:
+    """Return the energy of separation and the share of length that is still bonded."""
+    bonds = assembly.bonds
+    if bonds is None:
+        return 0.0, 0.0
+    return bonds.spent(positions), 1 - float(bonds.weight @ bonds.broken(positions) / bonds.weight.sum())
 
 
 def _surplus_of_work(before: WorkPoint | None, now: WorkPoint) -> float:

@@ -46,6 +46,12 @@ class StepRecord:
         Time on the clock since the last accepted step [s].
     certified : bool
         Whether this step passed every check of the certificate.
+    separation_energy : float
+        Energy that went into the separation of walls for good [stress * length**3], >= 0; 0 without cohesion.
+    bonded_share : float
+        Share of the bonded wall length that never was opened beyond its strength, in [0, 1]; 0 without bonds.
+    dissipation : float
+        Energy lost since rest as walls snapped or were let go at held plates [stress * length**3]; 0 without cohesion.
     """
 
     step: int
@@ -67,6 +73,9 @@ class StepRecord:
     factorisations: int
     seconds: float
     certified: bool
+    separation_energy: float = 0.0
+    bonded_share: float = 0.0
+    dissipation: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,6 +6,7 @@ from ngcell.scene.bodies import Body, BodyScene, BodySupport, Pressure, Traction
 from ngcell.scene.case import Case
 from ngcell.scene.case_of_bodies import BodyCase
 from ngcell.scene.catalogue import case_name, find_case, shipped_cases
+from ngcell.scene.cohesion import Cohesion
 from ngcell.scene.contact import Contact, Mortar, Penalty
 from ngcell.scene.drawn import Block, Disc, DrawnBody, Ring
 from ngcell.scene.expected import BodyExpected, Expected
@@ -30,6 +31,7 @@ __all__ = [
     "BodySupport",
     "Case",
     "CellPressure",
+    "Cohesion",
     "Contact",
     "Disc",
     "DrawnBody",

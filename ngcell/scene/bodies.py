@@ -13,6 +13,7 @@ from typing import Any, get_args
 from pydantic import TypeAdapter, ValidationError
 
 from ngcell.errors import CaseError
+from ngcell.scene.cohesion import Cohesion
 from ngcell.scene.contact import Contact, Mortar, Penalty
 from ngcell.scene.load import Levels
 from ngcell.scene.material import Material, MooneyRivlin
@@ -165,6 +166,8 @@ class BodyScene:
         What pushes and pulls at boundaries; loads on the same boundary add up.
     refinements : tuple of Refinement
         Where elements are smaller.
+    cohesion : Cohesion, optional
+        What holds walls together that touch at rest; by default nothing does.
 
     Raises
     ------
@@ -181,6 +184,7 @@ class BodyScene:
     contact: Contact = field(default_factory=Penalty)
     loads: tuple[Pressure | Traction, ...] = ()
     refinements: tuple[Refinement, ...] = ()
+    cohesion: Cohesion | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "bodies", _sequence(self.bodies, Body, "bodies"))
@@ -198,6 +202,10 @@ class BodyScene:
             raise CaseError(f"steps is {self.steps!r}; allowed: a whole number >= 1")
         if not isinstance(self.contact, (Penalty, Mortar)):
             raise CaseError(f"contact is {self.contact!r}; allowed: a Penalty or a Mortar")
+        if not isinstance(self.cohesion, Cohesion | None):
+            raise CaseError(f"cohesion is {self.cohesion!r}; allowed: a Cohesion or None")
+        if self.cohesion is not None and not isinstance(self.contact, Penalty):
+            raise CaseError(f"cohesion does not go with contact {self.contact!r}; allowed: a Penalty")
         _check_levels(self.levels)
 
     @property

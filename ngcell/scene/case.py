@@ -8,6 +8,7 @@ from typing import Annotated
 from pydantic import BaseModel, Strict, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
+from ngcell.scene.cohesion import Cohesion, check_company
 from ngcell.scene.contact import Contact, Penalty
 from ngcell.scene.expected import Expected
 from ngcell.scene.load import Load
@@ -43,6 +44,8 @@ class Case(BaseModel):
         How the load path is walked.
     contact : Penalty or Mortar
         What walls do to each other.
+    cohesion : Cohesion, optional
+        What holds walls together; by default nothing does.
     mesh : MeshChoice
         How finely the walls are resolved.
     expected : tuple of Expected
@@ -59,6 +62,7 @@ class Case(BaseModel):
     load: Load
     strategy: Strategy = Sddp()
     contact: Contact = Penalty()
+    cohesion: Cohesion | None = None
     mesh: MeshChoice = MeshChoice()
     expected: Annotated[tuple[Expected, ...], Strict(False)] = ()
 
@@ -107,6 +111,11 @@ class Case(BaseModel):
                 {"place": ("pressure",), "rows": tissue.rows, "cols": tissue.cols},
             )
         return lumen
+
+    @field_validator("cohesion")
+    @classmethod
+    def _with_this_contact(cls, cohesion: Cohesion | None, info: ValidationInfo) -> Cohesion | None:
+        return check_company(cohesion, info.data.get("contact"), info.data.get("lumen"))
 
     @field_validator("expected")
     @classmethod

@@ -11,6 +11,7 @@ from pydantic import BaseModel, Field, Strict, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
 from ngcell.scene.bodies import BodySupport, Pressure, Traction
+from ngcell.scene.cohesion import Cohesion, check_company
 from ngcell.scene.contact import Contact, Penalty
 from ngcell.scene.drawn import DrawnBody, Name
 from ngcell.scene.expected import ROUND, SUPPORTED, BodyExpected
@@ -122,6 +123,8 @@ class BodyCase(BaseModel):
         What pushes and pulls at boundaries; loads on the same boundary add up.
     contact : Penalty or Mortar
         What walls do to each other.
+    cohesion : Cohesion, optional
+        What holds walls together that touch at rest; by default nothing does.
     mesh : BodyMeshChoice
         How finely the bodies are resolved.
     expected : tuple of BodyExpected
@@ -138,6 +141,7 @@ class BodyCase(BaseModel):
     supports: Annotated[tuple[SupportEntry, ...], Strict(False)] = ()
     loads: Annotated[tuple[LoadEntry, ...], Strict(False)] = ()
     contact: Contact = Penalty()
+    cohesion: Cohesion | None = None
     mesh: BodyMeshChoice = BodyMeshChoice()
     expected: Annotated[tuple[BodyExpected, ...], Strict(False)] = ()
 
@@ -180,6 +184,11 @@ class BodyCase(BaseModel):
         for number, entry in enumerate(entries):
             _check_boundary(entry.boundary, known, (number, "boundary"))  # type: ignore[attr-defined]
         return entries
+
+    @field_validator("cohesion")
+    @classmethod
+    def _with_this_contact(cls, cohesion: Cohesion | None, info: ValidationInfo) -> Cohesion | None:
+        return check_company(cohesion, info.data.get("contact"))
 
     @field_validator("expected")
     @classmethod

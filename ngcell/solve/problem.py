@@ -55,6 +55,9 @@ class Problem(Protocol):
     def move(self, displacement: Array, step: Array) -> Array:
         """Return ``displacement + step``, up to terms of second order in the step."""
 
+    def gradient(self, state: State) -> Array:
+        """Return the gradient of the energy, shape (unknowns,)."""
+
     def linearise(self, state: State) -> Linearisation:
         """Return the model about a state."""
 

@@ -16,7 +16,7 @@ A walk may be taken up after any number of accepted steps, from the last displac
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -52,6 +52,44 @@ class Loads(Protocol):
     def apply(self, load_factor: float) -> None:
         """Set the load factor that energies are taken at."""
 
+    def share(self, load_factor: float) -> float:
+        """Return the share of the full loads that acts at a load factor."""
+
+    def potential(self, displacement: Array, load_factor: float) -> float:
+        """Return the potential at a load factor."""
+
+
+class History(Protocol):
+    """What a problem remembers of accepted steps; see `ngcell.contact.assembly.Assembly`."""
+
+    def advance(self, displacement: Array) -> None:
+        """Keep what this accepted state leaves for good."""
+
+    def forget(self) -> None:
+        """Be as new."""
+
+
+@dataclass(frozen=True)
+class Account:
+    """Where energy went on the way from rest to a step.
+
+    Attributes
+    ----------
+    dissipation : float
+        What was lost as the energy fell at held supports, since rest [energy].
+    mismatch : float
+        Work of supports and loads minus the change of all energies and losses, since the step before [energy].
+    mismatch_share : float
+        Its magnitude over the energy that the step moved.
+    increment : float
+        Load factor by which the next step may go on; 0 where that is not learned.
+    """
+
+    dissipation: float
+    mismatch: float
+    mismatch_share: float
+    increment: float = 0.0
+
 
 @dataclass(frozen=True, eq=False)
 class Accepted:
@@ -69,6 +107,8 @@ class Accepted:
         What still pulls at it.
     effort : Effort
         What it took, failures included.
+    account : Account, optional
+        Where energy went, with a problem that has a memory.
     """
 
     phase: str
@@ -76,6 +116,7 @@ class Accepted:
     minimum: Minimum
     tether: Tether
     effort: Effort
+    account: Account | None = None
 
 
 class StepFailed(Exception):  # noqa: N818 - named as what is reported, not as a mistake
@@ -101,12 +142,15 @@ class Released:
         The path.
     loads : Loads, optional
         What pushes and pulls besides the supports.
+    history : History, optional
+        What the problem remembers of accepted steps.
     """
 
     apart: Minimiser
     minimisers: tuple[Minimiser, ...]
     path: Release
     loads: Loads | None = None
+    history: History | None = None
 
     @property
     def effort(self) -> Effort:
@@ -183,7 +227,22 @@ def compact_then_released(
         else:
             start = compact.problem.expand(displacement)
             anchor = motion.carried(target) if motion.has_carried_field else start
-            yield released.step(start, anchor, target)
+            if released.history is None:
+                yield released.step(start, anchor, target)
+            else:
+                released.history.forget()
+                energy = compact.problem.at(displacement).energy
+                yield _let_go(released, released.step(start, anchor, target), energy)
+
+
+def _let_go(released: Released, step: Accepted, compact_energy: float) -> Accepted:
+    """Return a step that let a compact state go at held supports: what the energy fell by is lost."""
+    assert released.history is not None
+    released.history.advance(step.minimum.state.displacement)
+    lost = compact_energy - step.minimum.state.energy
+    gained = max(-lost, 0.0)
+    share = gained / max(abs(compact_energy), np.finfo(float).tiny)
+    return replace(step, account=Account(max(lost, 0.0), gained, share))
 
 
 def _schedule(steps: Sequence[float], levels: Sequence[float]) -> Iterator[tuple[str, float]]:

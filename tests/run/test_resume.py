@@ -22,6 +22,7 @@ from ngcell.errors import OutputError
 from ngcell.run import resume
 
 TISSUE = ["tissue.rows=2", "tissue.cols=2", "mesh.order=2", "load.displacement=[0.3, 0.0]", "load.levels=[0.4, 1.0]"]
+BONDED = [*TISSUE, "cohesion.strength=0.01", "cohesion.energy=0.0001", 'strategy.kind="single-step"']
 #: Cases, their settings and their number of accepted steps.
 RUNS = {
     "sddp": ("shear-empty-3x3", [*TISSUE, "strategy.steps=4"], 6),
@@ -129,6 +130,17 @@ def test_a_run_stopped_after_any_step_ends_with_the_same_numbers(runs, kind, ste
     rest = [record.step for record in resume(out)]
     assert rest == list(range(steps, RUNS[kind][2]))
     assert_same_result(out, runs[kind].whole)
+
+
+def test_bonds_remember_what_broke_before_a_stop(tmp_path):
+    whole, stopped = tmp_path / "whole", []
+    for record in ngcell.record(ngcell.read_case("shear-empty-3x3", BONDED), whole):
+        if 0.3 < record.bonded_share < 0.8 and len(stopped) < 2:
+            stopped.append(Path(shutil.copytree(whole, tmp_path / str(record.step))))
+    assert len(stopped) == 2
+    for out in stopped:
+        assert list(resume(out))
+        assert_same_result(out, whole)
 
 
 @pytest.fixture(scope="module")
