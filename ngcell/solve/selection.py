@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 
 _log = logging.getLogger(__name__)
 
-FIRST, LAST = 1e3, 1e-7
+FIRST, LAST = 1e3, 1e-9
 #: Decades by which the tether falls from one minimisation to the next, at least and at most.
 NARROWEST, WIDEST = 0.25, 1.0
 #: Share of the longest step to which the place is rounded where a walk begins.

@@ -64,7 +64,7 @@ def test_the_stiffness_of_the_springs_leaves_no_trace(multiple, monkeypatch):
 @pytest.mark.parametrize("contact", ["mortar", "penalty"])
 @pytest.mark.parametrize("cut", [1, 2])
 def test_k6_the_plates_pull_as_hard_as_walls_press_across_a_cut(contact, cut):
-    """The cut runs between two rows, through contact only; the tether left over pulls at the cells beyond it, too."""
+    """The cut runs between two rows, through contact only; the little that the tether left over holds is counted apart."""
     simulation = Simulation(case(contact=contact))
     *_, accepted = simulation._accepted(Standing())
     assembly, state, tether = simulation.released, accepted.minimum.state, accepted.tether
@@ -77,5 +77,6 @@ def test_k6_the_plates_pull_as_hard_as_walls_press_across_a_cut(contact, cut):
     across = (upwards * forces.force[crosses]).sum(0)
     plate, held = (body_resultants(assembly, force)[above].sum(0) for force in (support, pull))
     size = np.linalg.norm(plate)
-    assert size > 1e-3 and np.linalg.norm(held) < 3e-5 * size
-    np.testing.assert_allclose(across + plate + held, 0, atol=1e-6 * size)
+    assert size > 1e-3 and np.linalg.norm(held) < 1e-6 * size
+    np.testing.assert_allclose(across + plate, 0, atol=1e-6 * size)
+    np.testing.assert_allclose(across + plate + held, 0, atol=1e-9 * size)
