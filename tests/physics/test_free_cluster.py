@@ -1,0 +1,54 @@
+"""K6: cells under pressure that nothing holds round off, and no cut through the cluster carries a force."""
+
+from __future__ import annotations
+
+from itertools import chain, combinations
+
+import numpy as np
+import pytest
+
+from ngcell.contact.assembly import Assembly
+from ngcell.geometry.lattice import hexagonal_lattice
+from ngcell.geometry.rings import ring_mesh
+from ngcell.mechanics.bulk import BulkEnergy
+from ngcell.mechanics.loads import BoundaryLoads
+from ngcell.mechanics.space import DisplacementSpace
+from ngcell.mechanics.supports import PrescribedMotion
+from ngcell.results.forces import contact_forces
+from ngcell.scene import Pressure
+from ngcell.solve.selection import Release
+from ngcell.solve.strategy import Released, single_step
+from tests.tissues import LAW, SmallTissue
+
+PRESSURE = 0.05
+
+
+def free_cluster(rows: int, cols: int) -> SmallTissue:
+    lattice = hexagonal_lattice(rows, cols, side=1.0, pointy=True)
+    bodies = ring_mesh(lattice, wall=0.2, radius=0.0, edges=3, layers=1, supports={})
+    space = DisplacementSpace(bodies, 2)
+    return SmallTissue(lattice, bodies, space, PrescribedMotion(space, []))
+
+
+@pytest.mark.parametrize(("rows", "cols"), [(1, 2), (2, 2)])
+def test_no_cut_through_a_free_cluster_carries_a_force(rows, cols):
+    tissue = free_cluster(rows, cols)
+    loads = BoundaryLoads(tissue.space, [Pressure("lumen", PRESSURE)], tissue.motion)
+    bulk = BulkEnergy(tissue.space, [LAW] * tissue.bodies.body_count, loads)
+    apart, touching = (Assembly(tissue.space, bulk, tissue.motion.fixed, contact=c) for c in (None, tissue.contact))
+    path = Release(LAW.shear_modulus)
+    released = Released(tissue.minimiser(apart), (tissue.minimiser(touching),), path, loads)
+    (step,) = single_step(released, tissue.motion, steps=[1.0])
+    state = step.minimum.state
+    forces = contact_forces(touching, state)
+    scale = PRESSURE * 1.0  # of a wall between cells that are held together
+    bodies = range(rows * cols)
+    for side in chain.from_iterable(combinations(bodies, count) for count in range(1, rows * cols)):
+        crossing = np.isin(forces.bodies, side).sum(1) == 1
+        towards = np.where(np.isin(forces.bodies[:, 0], side), 1.0, -1.0)
+        across = (towards[:, None] * forces.force)[crossing].sum(0)
+        assert np.linalg.norm(across) < 1e-4 * scale
+    assert forces.total < 1e-3 * scale
+    # Each wall bulges: the cluster opens at the corners.
+    gap = state.contact.kinematics.gaps(touching.positions(state.displacement))
+    assert gap.max() > 1e-3
