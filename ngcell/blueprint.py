@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +14,7 @@ from ngcell.geometry.drawn import drawn_face
 from ngcell.geometry.rings import along_walls
 from ngcell.geometry.shapes import check_boundaries, mesh_shapes
 from ngcell.geometry.tissue import tissue_mesh
-from ngcell.mechanics.fibres import FibreLaw
 from ngcell.mechanics.filling import cell_pressures
-from ngcell.mechanics.fluid import LumenFluids
 from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
 from ngcell.mechanics.loading import moved_region, plate_travel, prescribed_motion
 from ngcell.mechanics.loads import BoundaryLoads
@@ -33,6 +32,9 @@ from ngcell.scene import (
     MooneyRivlin,
     Sddp,
 )
+
+if TYPE_CHECKING:
+    from ngcell.mechanics.fluid import LumenFluids
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,6 +121,8 @@ def _tissue_blueprint(case: Case) -> Blueprint:
 
 
 def _fluids(space: DisplacementSpace, lumen: Fluid, wall: MooneyRivlin) -> LumenFluids:
+    from ngcell.mechanics.fluid import LumenFluids
+
     return LumenFluids(space, LUMEN, modulus=wall.c1 + wall.c2, fill=lumen.fill, in_full=lumen.ramp == "first")
 
 
@@ -179,6 +183,8 @@ def _law(material: MooneyRivlin) -> MooneyRivlinLaw:
     fibres = material.fibres
     if fibres is None:
         return MooneyRivlinLaw(material.c1, material.c2, material.bulk_modulus)
+    from ngcell.mechanics.fibres import FibreLaw
+
     exponent = fibres.exponent if isinstance(fibres, ExponentialFibres) else 0.0
     law = FibreLaw(fibres.stiffness, exponent, tuple(np.radians(fibres.angles).tolist()))
     return MooneyRivlinLaw(material.c1, material.c2, material.bulk_modulus, law)

@@ -17,11 +17,11 @@ from scipy import sparse
 from ngcell.contact.method import ContactMethod, ContactSet
 from ngcell.contact.tie import Tie
 from ngcell.mechanics.bulk import BulkEnergy
-from ngcell.mechanics.fluid import LumenFluids
 from ngcell.mechanics.space import DisplacementSpace, csr_matrix
 
 if TYPE_CHECKING:
     from ngcell.contact.cohesion import Bonds
+    from ngcell.mechanics.fluid import LumenFluids
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

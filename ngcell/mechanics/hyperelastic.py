@@ -14,12 +14,14 @@ matrix expressions.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import ngsolve
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.mechanics.fibres import FibreLaw
+if TYPE_CHECKING:
+    from ngcell.mechanics.fibres import FibreLaw
 
 Array = NDArray[np.float64]
 

@@ -130,6 +130,16 @@ def test_a_run_starts_without_what_it_may_never_need() -> None:
     assert loaded.stdout.split() == []
 
 
+def test_a_scene_without_fluids_and_fibres_does_not_load_them() -> None:
+    program = (
+        "import sys\nfrom ngcell.scene import read_case\nfrom ngcell.run import inspect\n"
+        "inspect(read_case('shear-empty-3x3'))\n"
+        "print(*(name for name in ('fluid', 'fibres') if f'ngcell.mechanics.{name}' in sys.modules))"
+    )
+    loaded = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert loaded.stdout.split() == []
+
+
 def test_table_of_contents_is_sorted_and_holds_the_case() -> None:
     assert sorted(ngcell.__all__) == ngcell.__all__
     assert ngcell.Case.__name__ == "Case"
