@@ -59,7 +59,7 @@ def corner(count: int, order: int, ratio: float) -> tuple[np.ndarray, int]:
     bulk = BulkEnergy(space, [law], loads, filling=law)
     minimiser = Minimiser(Assembly(space, bulk, motion.fixed), np.inf, energy_scale=MU * 48 * 30)
     state = np.zeros(space.unknowns)
-    for load in np.linspace(0.1, 1.0, 10):
+    for load in np.linspace(0.25, 1.0, 4):
         loads.apply(load)
         minimum = minimiser.minimise(state, Tether(0.0, state))
         assert minimum.ending is Ending.CONVERGED
