@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from ngcell.scene import (
         Body,
         BodyCase,
+        BodyForce,
         BodyScene,
         BodySupport,
         Case,
@@ -35,6 +36,7 @@ __version__ = "0.1.0"
 __all__ = [
     "Body",
     "BodyCase",
+    "BodyForce",
     "BodyScene",
     "BodySupport",
     "Case",

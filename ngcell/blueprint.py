@@ -23,6 +23,7 @@ from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.scene import (
     Body,
     BodyCase,
+    BodyForce,
     BodyScene,
     Case,
     CellPressure,
@@ -158,7 +159,8 @@ def _body_blueprint(scene: BodyScene) -> Blueprint:
     )
     check_boundaries(bodies, untouched, wanted_by="untouched edge")
     check_boundaries(bodies, [support.boundary for support in scene.supports])
-    check_boundaries(bodies, [load.boundary for load in scene.loads], wanted_by="load")
+    pushed = [load.boundary for load in scene.loads if not isinstance(load, BodyForce)]
+    check_boundaries(bodies, pushed, wanted_by="load")
     space = DisplacementSpace(bodies, scene.order)
     supports = [
         Support(support.boundary, np.array(support.gradient), np.array(support.shift), support.components)

@@ -8,8 +8,9 @@ One body of each pair carries the multiplier: the softer, then the finer one. In
 
 A weighted gap does not see a corner, or two walls bent towards each other, sink in between its points: there the
 pressure is a point force, which no polynomial holds. So the vertices of both walls and the quarters of their edges
-are watched, too. Each has a multiplier of its own that acts once the point is deeper than `ALLOWED` of its edge. The
-allowance falls with the mesh; it keeps watched points out of flat contact, where they would take pressure from walls.
+are watched, too. Each has a multiplier of its own that acts once the point is deeper than `ALLOWED` of its edge, and by
+as much as the outline bulges there, which is read off where a path hands over to the mortar method. The allowance falls
+with the mesh; it keeps watched points out of smooth contact, where they would take pressure from walls.
 
 Conditions are met by the method of multipliers, a proximal form of the semismooth Newton (primal-dual active set)
 method: springs ``stiffness min(0, gap - pressure / stiffness)^2 / 2`` have, at fixed pressures, an energy that the
@@ -151,16 +152,21 @@ class MortarContact:
         self._near = NearEdges(walls, reach)
         self._rank = _carriers_first(walls, stiffness)
         edge, xi = watched_points(walls)
+        self._watched_edge = edge
         self._watched = PartnerSearch(walls, WallPoints(edge, xi, np.zeros(len(edge))), reach)
         self._watched_count, self._bodies = len(edge), int(walls.body.max()) + 1
-        length = np.linalg.norm(walls.rest[:, -1] - walls.rest[:, 0], axis=1)
-        allowance = (ALLOWED * length + bulge(walls))[edge]
-        self._allowance = self._all_rows(np.zeros(self.space.size), allowance)
+        self._allowance = self._allowed(walls.rest)
         self._weight = self._all_rows(self.space.weight, walls.depth[edge])
         by_row = np.zeros(self.space.size)
         by_row[self.space.row] = stiffness[:, None]
         self._stiffness = self._all_rows(by_row, stiffness[edge])
         self.multipliers, self._pace = np.zeros(len(self._weight)), 1.0
+
+    def _allowed(self, nodes: Array) -> Array:
+        """Return what is added to the gaps of watched points: walls that bend bulge more than at rest."""
+        length = np.linalg.norm(self.walls.rest[:, -1] - self.walls.rest[:, 0], axis=1)
+        allowance = ALLOWED * length + np.maximum(bulge(self.walls, self.walls.rest), bulge(self.walls, nodes))
+        return self._all_rows(np.zeros(self.space.size), allowance[self._watched_edge])
 
     def _all_rows(self, by_function: Array, by_point: Array) -> Array:
         """Return values of all multipliers: functions first, then each watched point with each body."""
@@ -175,6 +181,7 @@ class MortarContact:
         pressure[by_edge] = other.pressures(positions, points)
         rows = np.arange(self.space.size)
         self._pace = 1.0
+        self._allowance = self._allowed(self.walls.nodes(positions))
         self.multipliers = self._all_rows(self._shares(along, rows) @ pressure, np.zeros(self._watched_count))
 
     def pair(self, positions: Array) -> MortarSet:

@@ -90,11 +90,11 @@ def watched_points(walls: Walls) -> tuple[Index, Array]:
     return edge[order], xi[order]
 
 
-def bulge(walls: Walls) -> Array:
-    """Return how far the outline at rest rises from its edges' chords, by its turning at smooth joints [length].
+def bulge(walls: Walls, nodes: Array) -> Array:
+    """Return how far an outline rises from its edges' chords [length], by its turning at joints smooth at rest.
 
-    Polygons that stand for touching arcs overlap by as much. Shape (edges,).
+    Polygons that stand for touching arcs overlap by as much. Shape (edges,); `nodes` has shape (edges, order + 1, 2).
     """
-    length = np.linalg.norm(walls.rest[:, -1] - walls.rest[:, 0], axis=1)
-    smooth = np.where(np.abs(walls.turning) < SHARP, np.abs(walls.turning), 0.0)
+    length = np.linalg.norm(nodes[:, -1] - nodes[:, 0], axis=1)
+    smooth = np.where(np.abs(walls.turning) < SHARP, np.abs(walls.turning_at(nodes)), 0.0)
     return np.asarray(length * smooth.max(1) / 4)

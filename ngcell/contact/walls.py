@@ -140,7 +140,11 @@ class Walls:
 
         In radians, positive at convex corners; 0 where the outline ends.
         """
-        slope = np.einsum("ki,eid->ekd", self.basis.values(np.array([0.0, 1.0]), 1), self.rest)
+        return self.turning_at(self.rest)
+
+    def turning_at(self, nodes: Array) -> Array:
+        """Return the same at nodes of shape (edges, order + 1, 2)."""
+        slope = np.einsum("ki,eid->ekd", self.basis.values(np.array([0.0, 1.0]), 1), nodes)
         normal = np.stack([slope[..., 1], -slope[..., 0]], axis=-1) * self.side[:, None, None]
         normal = (normal / np.linalg.norm(normal, axis=-1, keepdims=True)).reshape(-1, 2)
         inward = (slope * np.array([1.0, -1.0])[:, None]).reshape(-1, 2)

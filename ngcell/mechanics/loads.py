@@ -1,6 +1,7 @@
-"""Loads on boundaries, which grow in proportion to the load factor, as energies.
+"""Loads on boundaries and in bodies, which grow in proportion to the load factor, as energies.
 
-A *traction* t for each reference length has the potential ``-integral of t . u``.
+A *traction* t for each reference length has the potential ``-integral of t . u``, and so has a *body force* for each
+reference area.
 
 A *pressure* p > 0 pushes on the body as it deforms. With the outward normal N at rest, its force for each reference
 length is ``-p cof(F) N``, and its potential is p times the area that the loaded line sweeps,
@@ -33,14 +34,16 @@ from scipy import sparse
 from ngcell.errors import CaseError
 from ngcell.mechanics.space import DisplacementSpace, csr_matrix
 from ngcell.mechanics.supports import PrescribedMotion
-from ngcell.scene import Pressure, Traction
+from ngcell.scene import BodyForce, Pressure, Traction
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
-Load = Pressure | Traction
+Load = Pressure | Traction | BodyForce
 
 #: Share of the largest pressure below which a difference of pressures is round-off.
 _ROUND_OFF = 1e-12
+#: Degrees that integrals of loads get besides those of displacements where loads depend on the place.
+_EXTRA_DEGREES = 6
 
 
 class BoundaryLoads:
@@ -50,8 +53,8 @@ class BoundaryLoads:
     ----------
     space : DisplacementSpace
         The unknowns.
-    loads : sequence of Pressure or Traction
-        The loads; those on the same boundary add up.
+    loads : sequence of Pressure, Traction or BodyForce
+        The loads; those on the same boundary or body add up.
     motion : PrescribedMotion
         The supports, which hold the ends of lines under pressure.
     in_full : bool
@@ -89,12 +92,8 @@ class BoundaryLoads:
         return float(load_factor > 0) if self._in_full else load_factor
 
     def terms(self, displacement: ngsolve.CoefficientFunction) -> list[ngsolve.comp.SumOfIntegrals]:
-        """Return the potential at `factor`, whatever it will be, as integrals over boundaries."""
-        mesh = self._space.bodies.mesh
-        return [
-            self.factor * self._density(load, displacement) * ngsolve.ds(definedon=mesh.Boundaries(load.boundary))
-            for load in self._loads
-        ]
+        """Return the potential at `factor`, whatever it will be, as integrals over boundaries and bodies."""
+        return [self.factor * self._density(load, displacement) * self._measure(load) for load in self._loads]
 
     def potential(self, displacement: Array, load_factor: float | None = None) -> float:
         """Return the potential [stress * length**2] at a load factor, by default the one applied; zero at rest."""
@@ -143,14 +142,24 @@ class BoundaryLoads:
         return form
 
     def _density(self, load: Load, displacement: ngsolve.CoefficientFunction) -> ngsolve.CoefficientFunction:
-        """Return the potential for each reference length at load factor 1."""
-        if isinstance(load, Traction):
-            return -(load.vector[0] * displacement[0] + load.vector[1] * displacement[1])
+        """Return the potential for each reference length or area at load factor 1."""
+        if not isinstance(load, Pressure):
+            along_x, along_y = load.vector(ngsolve.x, ngsolve.y) if callable(load.vector) else load.vector
+            return -(along_x * displacement[0] + along_y * displacement[1])
         along, normal = ngsolve.Grad(displacement).Trace(), ngsolve.specialcf.normal(2)
         turned_x = along[1, 1] * normal[0] - along[1, 0] * normal[1]
         turned_y = along[0, 0] * normal[1] - along[0, 1] * normal[0]
         swept = displacement[0] * (normal[0] + turned_x / 2) + displacement[1] * (normal[1] + turned_y / 2)
         return load.value * self._outward * swept
+
+    def _measure(self, load: Load) -> ngsolve.comp.DifferentialSymbol:
+        """Return what the potential is integrated over."""
+        mesh, extra = self._space.bodies.mesh, 0
+        if not isinstance(load, Pressure) and callable(load.vector):
+            extra = _EXTRA_DEGREES
+        if isinstance(load, BodyForce):
+            return ngsolve.dx(definedon=mesh.Materials(load.body), bonus_intorder=extra)
+        return ngsolve.ds(definedon=mesh.Boundaries(load.boundary), bonus_intorder=extra)
 
 
 def _directed_edges(mesh: ngsolve.Mesh) -> Index:
@@ -184,7 +193,8 @@ def _ends(space: DisplacementSpace, edges: Index, loads: Sequence[Load]) -> Arra
     """Return at each scalar unknown the pressures on lines that end there minus those on lines that start there."""
     pressure = dict.fromkeys(space.bodies.mesh.GetBoundaries(), 0.0)
     for load in loads:
-        pressure[load.boundary] += load.value if isinstance(load, Pressure) else 0.0
+        if isinstance(load, Pressure):
+            pressure[load.boundary] += load.value
     on_edge = np.array([pressure[edge.mat] for edge in space.bodies.mesh.Elements(ngsolve.BND)])
     tail, head = edges.T
     ends = np.bincount(head, on_edge, space.size) - np.bincount(tail, on_edge, space.size)

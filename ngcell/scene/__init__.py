@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ngcell.scene.bodies import Body, BodyScene, BodySupport, Pressure, Traction
+from ngcell.scene.bodies import Body, BodyForce, BodyScene, BodySupport, Pressure, Traction
 from ngcell.scene.case import Case
 from ngcell.scene.case_of_bodies import BodyCase
 from ngcell.scene.catalogue import case_name, find_case, shipped_cases
@@ -27,6 +27,7 @@ __all__ = [
     "BodyCase",
     "BodyExpected",
     "BodyMeshChoice",
+    "BodyForce",
     "BodyScene",
     "BodySupport",
     "Case",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from math import isfinite
 from types import UnionType
@@ -20,6 +20,9 @@ from ngcell.scene.material import Material, MooneyRivlin
 from ngcell.scene.mesh import Refinement
 
 Gradient = tuple[tuple[float, float], tuple[float, float]]
+#: Two numbers, or a function that makes two expressions of the coordinates x and y at rest: sums, products, powers, and
+#: what NGSolve has for them, such as `ngsolve.sin`.
+Vector = tuple[float, float] | Callable[[Any, Any], tuple[Any, Any]]
 
 #: Names become parts of region names, where other signs would have a meaning of their own.
 PLAIN_NAME = re.compile(r"[A-Za-z0-9_-]+")
@@ -130,16 +133,36 @@ class Traction:
     ----------
     boundary : str
         Name of an edge, as for a support.
-    vector : tuple of float, shape (2,)
+    vector : tuple of float, shape (2,), or function of the place
         Force on the body for each reference length at load factor 1 [stress].
     """
 
     boundary: str
-    vector: tuple[float, float]
+    vector: Vector
 
     def __post_init__(self) -> None:
         _check_name(self.boundary, "boundary of a traction")
-        _check_numbers(self.vector, f"traction on {self.boundary}: vector", "two finite numbers")
+        _check_vector(self.vector, f"traction on {self.boundary}: vector")
+
+
+@dataclass(frozen=True)
+class BodyForce:
+    """A force ``load_factor * vector`` for each unit of a body's area at rest, which keeps its direction.
+
+    Parameters
+    ----------
+    body : str
+        Name of a body.
+    vector : tuple of float, shape (2,), or function of the place
+        Force for each reference area at load factor 1 [stress / length].
+    """
+
+    body: str
+    vector: Vector
+
+    def __post_init__(self) -> None:
+        _check_name(self.body, "body of a force")
+        _check_vector(self.vector, f"force on {self.body}: vector")
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,8 +185,8 @@ class BodyScene:
         Smallest number of load steps, >= 1; by default one for each level.
     contact : Penalty or Mortar
         What walls do to each other.
-    loads : tuple of Pressure or Traction
-        What pushes and pulls at boundaries; loads on the same boundary add up.
+    loads : tuple of Pressure, Traction or BodyForce
+        What pushes and pulls at boundaries and in bodies; loads on the same boundary or body add up.
     refinements : tuple of Refinement
         Where elements are smaller.
     cohesion : Cohesion, optional
@@ -182,18 +205,23 @@ class BodyScene:
     levels: int | tuple[float, ...] = 10
     steps: int | None = None
     contact: Contact = field(default_factory=Penalty)
-    loads: tuple[Pressure | Traction, ...] = ()
+    loads: tuple[Pressure | Traction | BodyForce, ...] = ()
     refinements: tuple[Refinement, ...] = ()
     cohesion: Cohesion | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "bodies", _sequence(self.bodies, Body, "bodies"))
         object.__setattr__(self, "supports", _sequence(self.supports, BodySupport, "supports"))
-        object.__setattr__(self, "loads", _sequence(self.loads, Pressure | Traction, "loads"))
+        object.__setattr__(self, "loads", _sequence(self.loads, Pressure | Traction | BodyForce, "loads"))
         object.__setattr__(self, "refinements", _sequence(self.refinements, Refinement, "refinements"))
         if not self.bodies:
             raise CaseError("bodies is empty; allowed: at least one body")
         check_unique_names(body.name for body in self.bodies)
+        known = [body.name for body in self.bodies]
+        unknown = {load.body for load in self.loads if isinstance(load, BodyForce)} - set(known)
+        if unknown:
+            names = ", ".join(known)
+            raise CaseError(f"force on {min(unknown)}: there is no such body; allowed: {names}")
         if self.size is not None and not (_is_number(self.size) and self.size > 0):
             raise CaseError(f"size is {self.size!r}; allowed: a finite length > 0")
         if type(self.order) is not int or not 1 <= self.order <= 4:
@@ -255,6 +283,11 @@ def _pair(value: object, place: str, allowed: str) -> tuple[Any, ...]:
     if not isinstance(value, (list, tuple)) or len(value) != 2:
         raise CaseError(f"{place} is {value!r}; allowed: {allowed}")
     return tuple(value)
+
+
+def _check_vector(value: object, place: str) -> None:
+    if not callable(value):
+        _check_numbers(value, place, "two finite numbers")
 
 
 def _check_numbers(value: object, place: str, allowed: str) -> None:

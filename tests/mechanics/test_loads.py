@@ -17,7 +17,7 @@ from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
 from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace, csr_matrix
 from ngcell.mechanics.supports import PrescribedMotion, Support
-from ngcell.scene import Pressure, Traction
+from ngcell.scene import BodyForce, Pressure, Traction
 
 LAW = MooneyRivlinLaw(0.7, 0.3, 20.0)
 STEP = 1e-4
@@ -71,6 +71,13 @@ SCENES = {
     "bore": lambda: loaded(ring(0.5, 1.0), [Pressure("body_hole0", 0.7)]),
     "rim": lambda: loaded(ring(0.5, 1.0), [Pressure("body_outline", -0.4)], order=2),
     "traction": lambda: loaded(block(), [Traction("right", (0.3, -0.8)), Traction("roof", (0.1, 0.2))]),
+    "places": lambda: loaded(
+        block(),
+        [
+            Traction("right", lambda x, y: (0.3 * x * y, -0.8)),
+            BodyForce("body", lambda x, y: (0.2, ngsolve.sin(x) * y)),
+        ],
+    ),
     "held": lambda: loaded(block(), [Pressure("roof", 0.7)], [("left|right", STILL, np.zeros(2))]),
     "sliding": lambda: loaded(
         block(), [Pressure("roof", 0.7), Traction("roof", (0.2, 0.0))], [sliding("left|right", 1)]
@@ -98,6 +105,16 @@ def test_forces_and_tangent_are_derivatives_of_the_potential(scene):
     assert abs(tangent - tangent.T).max() < 1e-12
     assert loads.potential(np.zeros_like(at), 1.0) == 0
     np.testing.assert_allclose(loads.gradient(at, 0.6), 0.6 * loads.gradient(at, 1.0), rtol=0, atol=1e-14)
+
+
+def test_loads_that_depend_on_the_place_do_the_work_of_their_integrals():
+    loads = [BodyForce("body", lambda x, y: (x**2, 3.0)), Traction("right", lambda x, y: (0.0, y))]
+    scene = loaded(block(), loads, order=1)
+    shift = np.repeat([0.5, -2.0], scene.space.size) * np.tile(scene.space.one, 2)
+    area_x = (2.3**3 - 0.3**3) / 3
+    side_y = (1.2**2 - 0.2**2) / 2
+    work = 0.5 * area_x - 2.0 * (3.0 * 2.0 + side_y)
+    assert scene.loads.potential(shift, 1.0) == pytest.approx(-work, rel=1e-12)
 
 
 def test_the_bulk_energy_adds_the_potential_at_the_applied_load_factor(scene):
@@ -133,8 +150,11 @@ def test_forces_are_the_pressure_on_the_deformed_line(name):
         if isinstance(load, Pressure):
             force = -load.value * cofactor * normal
         else:
-            force = ngsolve.CF(load.vector)
-        there = ngsolve.ds(skeleton=True, definedon=mesh.Boundaries(load.boundary), bonus_intorder=6)
+            force = ngsolve.CF(load.vector(ngsolve.x, ngsolve.y) if callable(load.vector) else load.vector)
+        if isinstance(load, BodyForce):
+            there = ngsolve.dx(definedon=mesh.Materials(load.body), bonus_intorder=6)
+        else:
+            there = ngsolve.ds(skeleton=True, definedon=mesh.Boundaries(load.boundary), bonus_intorder=6)
         work += ngsolve.Integrate(force * v * there, mesh)
     assert -scene.loads.gradient(at, 1.0) @ way == pytest.approx(work, rel=1e-9)
 

@@ -8,7 +8,7 @@ import pytest
 
 from ngcell.errors import CaseError
 from ngcell.scene import MooneyRivlin
-from ngcell.scene.bodies import Body, BodyScene, BodySupport, Pressure, Traction
+from ngcell.scene.bodies import Body, BodyForce, BodyScene, BodySupport, Pressure, Traction
 
 RUBBER = MooneyRivlin(c1=1.0, c2=0.0, bulk_modulus=100.0)
 BODY = Body(object(), RUBBER, "block")
@@ -55,8 +55,10 @@ def test_loads_are_kept_in_order_and_there_are_none_by_default():
         (lambda: Traction("", (1, 2)), "boundary of a traction is ''; allowed: letters"),
         (lambda: Traction("rim", 1.0), "traction on rim: vector is 1.0; allowed: two finite numbers"),
         (lambda: Traction("rim", (1, "2")), r"traction on rim: vector is \(1, '2'\); allowed: two finite"),
-        (lambda: BodyScene([BODY], loads=Pressure("rim", 1)), "loads is .*; allowed: a list of Pressure or Traction"),
-        (lambda: BodyScene([BODY], loads=[BODY]), "loads is .*; allowed: a list of Pressure or Traction"),
+        (lambda: BodyScene([BODY], loads=Pressure("rim", 1)), "loads is .*; allowed: a list of Pressure or Traction or"),
+        (lambda: BodyScene([BODY], loads=[BODY]), "loads is .*; allowed: a list of Pressure or Traction or BodyForce"),
+        (lambda: BodyForce("block", (1, None)), r"force on block: vector is \(1, None\); allowed: two finite"),
+        (lambda: BodyScene([BODY], loads=[BodyForce("rim", (0, 1))]), "force on rim: there is no such body; allowed: bl"),
         (lambda: BodyScene([BODY, BODY]), "body name 'block' is used twice"),
         (lambda: BodyScene([BODY], size=0.0), "size is 0.0; allowed: a finite length > 0"),
         (lambda: BodyScene([BODY], order=5), "order is 5; allowed: a whole number from 1 to 4"),
