@@ -46,6 +46,7 @@ TISSUES = [
     "shear-empty",
     "shear-empty-3x3",
     "shear-empty-single-step",
+    "shear-cohesive",
     "shear-fibres",
     "shear-filled",
     "shear-fluid",

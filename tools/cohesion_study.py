@@ -1,0 +1,83 @@
+"""Convergence of a cohesive tissue under load-step and mesh refinement.
+
+    python tools/cohesion_study.py [--case shear-empty-3x3] [--strength 0.05] [--energy 0.0015]
+
+The tissue is loaded forward (`single-step`). Every row is one run: the largest plate force and where it is
+reached, which is where walls snap, and at the end stored energy, energy of separation, loss, plate force and the share
+still bonded. Rows go to `tools/results/cohesion.csv`; runs that have a row are not repeated.
+"""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import click
+import ngsolve
+from threadpoolctl import threadpool_limits
+
+import ngcell
+from ngcell.simulation import Simulation
+
+TABLE = Path(__file__).resolve().parent / "results" / "cohesion.csv"
+KEYS = ("case", "strength", "energy", "size", "steps")
+COLUMNS = (
+    *KEYS, "accepted", "largest_force", "at_displacement", "stored_energy", "separation_energy", "dissipation",
+    "plate_force", "bonded_share", "mean_gap", "iterations", "certified",
+)  # fmt: skip
+#: Element size and load steps of the runs.
+RUNS = [(0.5, 5), (0.5, 10), (0.5, 20), (0.5, 40), (0.5, 160), (0.25, 5), (0.125, 5)]
+
+
+def measured(case: str, strength: float, energy: float, size: float, steps: int) -> dict[str, object]:
+    """Run once, and return the row."""
+    sets = [f"cohesion.strength={strength}", f"cohesion.energy={energy}", "strategy.kind=single-step"]
+    sets += [f"mesh.size={size}", f"strategy.steps={steps}"]
+    records = [step.record for step in Simulation(ngcell.read_case(case, sets)).walk()]
+    last, top = records[-1], max(records, key=lambda record: record.plate_force_x)
+    return {
+        "case": case,
+        "strength": strength,
+        "energy": energy,
+        "size": size,
+        "steps": steps,
+        "accepted": len(records),
+        "largest_force": f"{top.plate_force_x:.5g}",
+        "at_displacement": f"{top.plate_displacement:.4f}",
+        "stored_energy": f"{last.energy:.5g}",
+        "separation_energy": f"{last.separation_energy:.5g}",
+        "dissipation": f"{last.dissipation:.4g}",
+        "plate_force": f"{last.plate_force_x:.5g}",
+        "bonded_share": f"{last.bonded_share:.4f}",
+        "mean_gap": f"{last.mean_gap:.4g}",
+        "iterations": sum(record.iterations for record in records),
+        "certified": all(record.certified for record in records),
+    }
+
+
+@click.command(help=__doc__)
+@click.option("--case", default="shear-empty-3x3", show_default=True)
+@click.option("--strength", default=0.05, show_default=True)
+@click.option("--energy", default=0.0015, show_default=True)
+def main(case: str, strength: float, energy: float) -> None:
+    """Run what is missing."""
+    ngsolve.SetNumThreads(1)
+    rows = list(csv.DictReader(TABLE.open())) if TABLE.exists() else []
+    done = {tuple(row[key] for key in KEYS) for row in rows}
+    TABLE.parent.mkdir(exist_ok=True)
+    for size, steps in RUNS:
+        if tuple(map(str, (case, strength, energy, size, steps))) in done:
+            continue
+        with threadpool_limits(1, user_api="blas"):
+            row = measured(case, strength, energy, size, steps)
+        is_new = not TABLE.exists()
+        with TABLE.open("a", newline="") as file:
+            writer = csv.DictWriter(file, COLUMNS)
+            if is_new:
+                writer.writeheader()
+            writer.writerow(row)
+        click.echo(", ".join(f"{name} {value}" for name, value in row.items()))
+
+
+if __name__ == "__main__":
+    main()
