@@ -248,9 +248,10 @@ class Simulation:
     def _steps(self) -> list[float]:
         """Return the load factors of all steps: the levels, with equal steps between them where more are asked for."""
         levels, count = self.levels, self._step_count
+        length = float(np.abs(np.diff(levels, prepend=0.0)).sum())
         steps, before = [], 0.0
         for level in levels:
-            pieces = max(1, round(count * (level - before) / levels[-1]))
+            pieces = max(1, round(count * abs(level - before) / length))
             steps += list(np.linspace(before, level, pieces + 1)[1:])
             before = level
         return [float(step) for step in steps]

@@ -286,7 +286,7 @@ def _surplus_of_work(before: WorkPoint | None, now: WorkPoint) -> float:
     work += (now.load_share + old.load_share) / 2 * fall + shared * (now.filling_rate + old.filling_rate) / 2
     mismatch = work - (now.energy - old.energy)
     spread = abs(shared) * (abs(fall) + abs(now.filling_rate - old.filling_rate))
-    allowed = (step * abs(now.support_work_rate - old.support_work_rate) + spread) / 2
+    allowed = (abs(step * (now.support_work_rate - old.support_work_rate)) + spread) / 2
     return float(np.sign(mismatch) * max(abs(mismatch) - allowed, 0.0))
 
 

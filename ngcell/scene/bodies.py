@@ -180,7 +180,7 @@ class BodyScene:
     order : int
         Polynomial order of displacement and geometry, 1 to 4.
     levels : int or tuple of float
-        Number of equal levels, or the increasing load factors in (0, 1] that are reported.
+        Number of equal levels, or the load factors in [0, 1] that are reported, in the order of the load path.
     steps : int, optional
         Smallest number of load steps, >= 1; by default one for each level.
     contact : Penalty or Mortar
@@ -238,7 +238,7 @@ class BodyScene:
 
     @property
     def level_factors(self) -> tuple[float, ...]:
-        """Load factors of the levels, increasing, in (0, 1]."""
+        """Load factors of the levels, in [0, 1], in the order of the load path."""
         levels = _LEVELS.validate_python(self.levels)
         return tuple((n + 1) / levels for n in range(levels)) if isinstance(levels, int) else levels
 

@@ -68,7 +68,7 @@ class Case(BaseModel):
 
     @property
     def level_factors(self) -> tuple[float, ...]:
-        """Load factors of the levels, increasing, in (0, 1]."""
+        """Load factors of the levels, in [0, 1], in the order of the load path."""
         return self.load.level_factors
 
     @property

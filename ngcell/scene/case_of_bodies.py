@@ -112,7 +112,7 @@ class BodyCase(BaseModel):
     source : str
         Where the scene comes from.
     levels : int or tuple of float
-        Number of equal levels, or the increasing load factors in (0, 1] that are reported.
+        Number of equal levels, or the load factors in [0, 1] that are reported, in the order of the load path.
     steps : int, optional
         Smallest number of load steps, >= 1; by default one for each level.
     bodies : tuple of Ring, Disc or Block
@@ -147,7 +147,7 @@ class BodyCase(BaseModel):
 
     @property
     def level_factors(self) -> tuple[float, ...]:
-        """Load factors of the levels, increasing, in (0, 1]."""
+        """Load factors of the levels, in [0, 1], in the order of the load path."""
         return level_factors(self.levels)
 
     @property

@@ -47,7 +47,7 @@ class Expected(BaseModel):
     Parameters
     ----------
     level : float
-        Load factor at which it holds, one of the levels of the load, in (0, 1].
+        Load factor at which it holds, one of the levels of the load, in [0, 1].
     quantity : str
         Column of `history.csv`.
     value : float
@@ -60,7 +60,7 @@ class Expected(BaseModel):
 
     model_config = SECTION
 
-    level: Annotated[float, Field(gt=0, le=1)]
+    level: Annotated[float, Field(ge=0, le=1)]
     quantity: Quantity
     value: float
     tolerance: PositiveNumber
@@ -86,7 +86,7 @@ class BodyExpected(BaseModel):
     between : tuple of str, shape (2,), optional
         The two boundaries, for a quantity between two. What is measured along a wall is measured along the first.
     level : float, optional
-        Load factor at which it holds, one of the levels, in (0, 1]; by default the last.
+        Load factor at which it holds, one of the levels, in [0, 1]; by default the last.
     value : float
         The expected number, in the units of the case.
     tolerance : float
@@ -100,7 +100,7 @@ class BodyExpected(BaseModel):
     quantity: BodyQuantity
     boundary: str | None = None
     between: Annotated[tuple[str, str], Strict(False)] | None = None
-    level: Annotated[float, Field(gt=0, le=1)] | None = None
+    level: Annotated[float, Field(ge=0, le=1)] | None = None
     value: float
     tolerance: PositiveNumber
     origin: Annotated[str, Field(min_length=1)]

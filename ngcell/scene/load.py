@@ -23,18 +23,18 @@ def _levels(value: Any) -> int | tuple[float, ...]:
     if isinstance(value, (list, tuple)) and all(type(factor) in (int, float) for factor in value):
         factors = tuple(float(factor) for factor in value)
         # Written so that a NaN, for which every comparison is false, is refused as well.
-        if factors and all(below < above for below, above in pairwise((0.0, *factors))) and factors[-1] <= 1:
+        if factors and all(0 <= to <= 1 and before != to for before, to in pairwise((0.0, *factors))):
             return factors
     raise PydanticCustomError(
         "limit",
         "allowed: a whole number from 1 to {most} of equal levels, "
-        "or an increasing list of load factors in (0, 1]",
+        "or a list of load factors in [0, 1], each other than the one before it",
         {"most": MOST_LEVELS},
     )
 
 
 LevelCount = Annotated[int, Field(ge=1, le=MOST_LEVELS)]
-LoadFactors = Annotated[tuple[Annotated[float, Field(gt=0, le=1)], ...], Strict(False)]
+LoadFactors = Annotated[tuple[Annotated[float, Field(ge=0, le=1)], ...], Strict(False)]
 Levels = Annotated[LevelCount | LoadFactors, BeforeValidator(_levels)]
 
 
@@ -50,7 +50,8 @@ class Plates(BaseModel):
     stretch : float, optional
         Distance of the plates at load factor 1 over the distance at rest, > 0.
     levels : int or tuple of float
-        Number of equal levels, or the increasing load factors in (0, 1] that are reported.
+        Number of equal levels, or the load factors in [0, 1] that are reported, in the order of the load path;
+        it may return, as in ``[0.5, 1.0, 0.5, 0.0]``.
     """
 
     model_config = SECTION
@@ -62,7 +63,7 @@ class Plates(BaseModel):
 
     @property
     def level_factors(self) -> tuple[float, ...]:
-        """Load factors of the levels, increasing, in (0, 1]."""
+        """Load factors of the levels, in [0, 1], in the order of the load path."""
         return level_factors(self.levels)
 
     @model_validator(mode="after")
@@ -86,7 +87,8 @@ class Frame(BaseModel):
     shear : float, optional
         Simple shear at load factor 1: displacement along x over height.
     levels : int or tuple of float
-        Number of equal levels, or the increasing load factors in (0, 1] that are reported.
+        Number of equal levels, or the load factors in [0, 1] that are reported, in the order of the load path;
+        it may return, as in ``[0.5, 1.0, 0.5, 0.0]``.
     """
 
     model_config = SECTION
@@ -99,7 +101,7 @@ class Frame(BaseModel):
 
     @property
     def level_factors(self) -> tuple[float, ...]:
-        """Load factors of the levels, increasing, in (0, 1]."""
+        """Load factors of the levels, in [0, 1], in the order of the load path."""
         return level_factors(self.levels)
 
     @property

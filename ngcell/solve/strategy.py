@@ -253,6 +253,11 @@ def _schedule(steps: Sequence[float], levels: Sequence[float]) -> Iterator[tuple
             yield "contact", target
 
 
+def _next_goal(reached: float, increment: float, target: float) -> float:
+    """Return the load factor of the next attempt, up or down, never beyond the target."""
+    return target if abs(target - reached) <= abs(increment) else reached + increment
+
+
 def _compact_step(
     compact: Minimiser,
     motion: Motion,
@@ -263,7 +268,7 @@ def _compact_step(
 ) -> Accepted:
     before, reached, increment, halvings = compact.effort.copy(), load, target - load, 0
     while True:
-        goal = min(reached + increment, target)
+        goal = _next_goal(reached, increment, target)
         start = displacement + motion.carried(goal) - motion.carried(reached)
         tether = Tether(0.0, start)
         if released.loads is not None:
@@ -315,7 +320,7 @@ def _incremental_step(
 ) -> Accepted:
     before, reached, increment, halvings = released.effort, load, target - load, 0
     while True:
-        goal = min(reached + increment, target)
+        goal = _next_goal(reached, increment, target)
         anchor = released.predict(displacement, motion.imposed(displacement, goal))
         try:
             step = released.step(anchor, anchor, goal)

@@ -122,7 +122,7 @@ WRONG: dict[str, tuple[tuple[str, str], int, str, str]] = {
     "layers of a tissue": (("order = 2", "order = 2\nlayers = 2"), 42, "mesh.layers = 2", "allowed: order, size"),
     "order too high": (("order = 2", "order = 7"), 41, "mesh.order = 7", "a whole number from 1 to 4"),
     "refined to dust": (("size = 0.05", "size = 1e-9"), 42, "mesh.refine[0].size = 1e-09", "within / 1000"),
-    "falling levels": (("[0.5, 1.0]", "[1.0, 0.5]"), 2, "levels = [1.0, 0.5]", "an increasing list"),
+    "level twice": (("[0.5, 1.0]", "[1.0, 1.0]"), 2, "levels = [1.0, 1.0]", "each other than the one before"),
     "no steps": (("levels =", "steps = 0\nlevels ="), 2, "steps = 0", "a whole number >= 1"),
     "unmeasured quantity": (('"gap"', '"stress"'), 45, 'expected[0].quantity = "stress"', 'one of "mean_radius"'),
     "quantity between two on one": (('between = ["ring_outer", "slab_left"]', 'boundary = "ring_outer"'), 45,
