@@ -260,6 +260,8 @@ def _summary(
         "onset_of_growth": _onset(simulation, steps),
         "iterations": sum(step.record.iterations for step in steps),
         "factorisations": sum(step.record.factorisations for step in steps),
+        "refused": sum(step.refused for step in steps),
+        "cut_backs": sum(step.cutbacks for step in steps),
         "last_step": asdict(last.record) if last else None,
     }
 

@@ -35,6 +35,7 @@ from ngcell.results.report import StepReport
 from ngcell.results.snapshot import Snapshot
 from ngcell.results.surface import wall_fields
 from ngcell.scene import AnyCase, BodyScene
+from ngcell.solve.effort import Effort
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.selection import Release
 from ngcell.solve.strategy import Accepted, Released, compact_then_released, single_step
@@ -72,6 +73,8 @@ class Step:
         What the case expects at this level, beside what was measured.
     standing : Standing
         Where the walk stands after it.
+    effort : Effort
+        What it took.
     """
 
     record: StepRecord
@@ -82,6 +85,7 @@ class Step:
     snapshot: Snapshot | None
     findings: list[Finding]
     standing: Standing
+    effort: Effort
 
     @property
     def report(self) -> StepReport:
@@ -94,6 +98,8 @@ class Step:
             measured.free_bodies,
             measured.unstored_work,
             debonding(self.walls, self.cells),
+            self.effort.refusals,
+            self.effort.cutbacks,
         )
 
 
@@ -208,6 +214,7 @@ class Simulation:
         bonds.largest = standing.memory["largest_opening"]
         return walk.steps(
             steps,
+            done=int(standing.memory["targets"]),
             load=standing.work["contact"].load_factor,
             displacement=standing.displacement["contact"],
             dissipation=float(standing.memory["dissipation"]),
@@ -223,6 +230,7 @@ class Simulation:
             "largest_opening": self._bonds.largest,
             "dissipation": np.array(account.dissipation),
             "increment": np.array(account.increment),
+            "targets": np.array(account.targets),
         }
 
     def _released(self) -> Released:
@@ -337,6 +345,7 @@ class Simulation:
                 free_bodies=frozenset(measured.free_bodies),
                 cell_pressure=held,
             )
-        return Step(record, wall_rows, cell_rows, measured, displacement, snapshot, findings, standing)
+        effort = accepted.effort
+        return Step(record, wall_rows, cell_rows, measured, displacement, snapshot, findings, standing, effort)
 
 

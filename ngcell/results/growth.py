@@ -18,7 +18,7 @@ def growth_onset(displacement: Sequence[float], mean_gap: Sequence[float], thick
     Parameters
     ----------
     displacement : sequence of float
-        Plate displacements, increasing [length].
+        Plate displacements, in the order of the load path [length].
     mean_gap : sequence of float
         Mean gaps at these [length].
     thickness : float

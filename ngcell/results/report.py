@@ -29,6 +29,8 @@ class StepReport:
         Work since the step before that is not stored [stress * length**2].
     debonding : dict of str to Any
         What has come apart; empty between levels.
+    refused, cutbacks : int
+        Trial steps of minimisations that were refused, and load steps that were halved.
     """
 
     record: StepRecord
@@ -37,6 +39,8 @@ class StepReport:
     free_bodies: tuple[int, ...]
     unstored_work: float
     debonding: Mapping[str, Any]
+    refused: int
+    cutbacks: int
 
     def plain(self) -> dict[str, Any]:
         """Return it as JSON can hold it."""
@@ -58,4 +62,6 @@ class StepReport:
             free_bodies=tuple(table["free_bodies"]),
             unstored_work=table["unstored_work"],
             debonding=table["debonding"],
+            refused=table["refused"],
+            cutbacks=table["cutbacks"],
         )

@@ -134,7 +134,7 @@ Load = Annotated[Plates | Frame, ByKind()]
 
 
 def level_factors(levels: int | tuple[float, ...]) -> tuple[float, ...]:
-    """Return the load factors of the levels, increasing, in (0, 1]."""
+    """Return the load factors of the levels, in [0, 1], in the order of the load path."""
     return tuple((n + 1) / levels for n in range(levels)) if isinstance(levels, int) else levels
 
 

@@ -14,6 +14,7 @@ class Effort:
     evaluations: int = 0
     refusals: int = 0
     patterns: int = 0
+    cutbacks: int = 0
 
     def __sub__(self, other: Effort) -> Effort:
         return Effort(**{name: getattr(self, name) - getattr(other, name) for name in vars(self)})

@@ -20,6 +20,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from math import copysign
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,6 +83,7 @@ class ForwardWalk:
         self,
         targets: Sequence[float],
         *,
+        done: int = 0,
         load: float = 0.0,
         displacement: Array | None = None,
         dissipation: float = 0.0,
@@ -92,7 +94,9 @@ class ForwardWalk:
         Parameters
         ----------
         targets : sequence of float
-            Load factors, increasing.
+            Load factors, in the order of the load path.
+        done : int
+            Number of targets that the walk has come to.
         load : float
             Load factor to go on from.
         displacement : array of float, shape (unknowns,), optional
@@ -100,7 +104,7 @@ class ForwardWalk:
         dissipation : float
             What has been lost up to there [energy].
         increment : float, optional
-            Load factor by which the first step goes on; by default up to the first target.
+            Change of load factor of the first step; by default up to the first target.
 
         Raises
         ------
@@ -111,25 +115,27 @@ class ForwardWalk:
         at_rest = self._motion.imposed(np.zeros(len(self._problem.free)), 0.0)
         state = self._problem.at(at_rest if displacement is None else displacement)
         place = _Place(load, Minimum(state, Ending.CONVERGED, 0.0), dissipation)
-        shortest = float(min(np.diff([0.0, *targets]))) / 2**MOST_HALVINGS
-        increment = increment or targets[0]
-        for target in targets:
-            while place.load < target:
+        shortest = float(np.abs(np.diff([0.0, *targets])).min()) / 2**MOST_HALVINGS
+        increment = increment or abs(targets[0])
+        for number, target in enumerate(targets[done:], done):
+            while place.load != target:
                 before = self._released.effort
-                pieces = max(1, int(np.ceil((target - place.load) / increment - 1e-9)))
-                increment = (target - place.load) / pieces
-                goal = target if pieces == 1 else place.load + increment
+                way = target - place.load
+                pieces = max(1, int(np.ceil(abs(way) / increment - 1e-9)))
+                increment = abs(way) / pieces
+                goal = target if pieces == 1 else place.load + way / pieces
                 tried = self._tried(place, goal, is_shortest=increment < shortest)
                 while tried is None:
                     if increment < shortest:
                         raise StepFailed(Outcome.RELEASE_FAILED, goal)
                     increment /= 2
-                    goal = place.load + increment
+                    self._released.apart.effort.cutbacks += 1
+                    goal = place.load + copysign(increment, way)
                     tried = self._tried(place, goal, is_shortest=increment < shortest)
                 place, tether, account = tried
                 self._released.history.advance(place.minimum.state.displacement)
                 increment *= 2 if account.mismatch_share < LONGER else 1
-                account = replace(account, increment=increment)
+                account = replace(account, increment=increment, targets=number + (goal == target))
                 yield Accepted("contact", goal, place.minimum, tether, self._released.effort - before, account)
 
     def _tried(self, place: _Place, goal: float, *, is_shortest: bool) -> tuple[_Place, Tether, Account] | None:

@@ -82,13 +82,16 @@ class Account:
     mismatch_share : float
         Its magnitude over the energy that the step moved.
     increment : float
-        Load factor by which the next step may go on; 0 where that is not learned.
+        Change of load factor that the next step may make; 0 where that is not learned.
+    targets : int
+        Number of asked-for load factors that the walk has come to.
     """
 
     dissipation: float
     mismatch: float
     mismatch_share: float
     increment: float = 0.0
+    targets: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,7 +208,7 @@ def compact_then_released(
     motion : Motion
         The prescribed motion.
     steps, levels : sequence of float
-        Load factors, increasing; the levels are among the steps.
+        Load factors, in the order of the load path; the levels are among the steps.
     done : int
         Number of accepted steps to go on after.
     last_compact : array of float, shape (unknowns,), optional
@@ -282,6 +285,7 @@ def _compact_step(
                 return Accepted("compact", target, minimum, tether, compact.effort - before)
             continue
         increment, halvings = increment / 2, halvings + 1
+        compact.effort.cutbacks += 1
         if halvings > MOST_HALVINGS:
             raise StepFailed(Outcome.COMPACT_FAILED, goal)
 
@@ -326,6 +330,7 @@ def _incremental_step(
             step = released.step(anchor, anchor, goal)
         except StepFailed:
             increment, halvings = increment / 2, halvings + 1
+            released.apart.effort.cutbacks += 1
             if halvings > MOST_HALVINGS:
                 raise
             continue

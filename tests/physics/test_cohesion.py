@@ -119,3 +119,19 @@ def test_contact_in_compression_is_unchanged():
 def pressed(cohesion: Cohesion | None) -> Step:
     """The blocks, pressed together by a tenth."""
     return list(Simulation(blocks_case(-0.1, 1, cohesion)).walk())[-1]
+
+
+def test_bonds_that_were_opened_go_back_along_the_secant():
+    law = ExponentialLaw(0.1, ENERGY)
+    levels = (0.5, 1.0, 0.5, 0.0)
+    case = blocks_case(6.0 * law.peak, 40, Cohesion(strength=0.1, energy=ENERGY)).model_copy(update={"levels": levels})
+    steps = list(Simulation(case).walk())
+    rows = [step.record for step in steps]
+    assert all(row.certified for row in rows)
+    farthest = max(range(len(rows)), key=lambda n: rows[n].load_factor)
+    secant = rows[farthest].plate_force_y / rows[farthest].mean_gap
+    for row in rows[farthest:-1]:
+        assert row.plate_force_y == pytest.approx(secant * row.mean_gap, rel=1e-6)
+        assert row.separation_energy + row.dissipation >= rows[farthest].separation_energy - 1e-12
+    assert [rows[farthest].load_factor, rows[-1].load_factor] == [1.0, 0.0]
+    assert abs(rows[-1].plate_force_y) < 1e-9 and rows[-1].energy < 1e-12
