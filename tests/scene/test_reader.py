@@ -51,6 +51,7 @@ TISSUES = [
     "shear-filled",
     "shear-fluid",
     "shear-pressurised",
+    "shear-uniform-pressure",
     "stretch-plates",
 ]
 SHIPPED = sorted(BODIES + TISSUES)

@@ -1,0 +1,131 @@
+"""Certificates of the 5x7 tissue with all that may hold its cells together, by both strategies.
+
+    python tools/certify.py [--only TEXT] [--timeout 3000]
+
+Each row of `tools/results/certified.csv` is a run of `ngcell solve` in a process of its own, with its last step and
+the worst of the checks that decide; `certified.md` shows the rows. Runs that have a row are not repeated, runs that
+were stopped go on. Levels are those of the curves: eight even ones with cohesion, `tools/figures.py` has the others.
+"""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import click
+from figures import fibres, inclusions, pressures, run_of
+from runs import Run
+
+RESULTS = Path(__file__).resolve().parent / "results"
+TABLE, PAGE = RESULTS / "certified.csv", RESULTS / "certified.md"
+KEYS = ("case", "settings", "strategy")
+LAST = ("energy", "plate_force_x", "mean_gap", "parted_pairs")
+CHECKS = ("residual", "penetration_over_wall", "complementarity", "body_balance", "plate_balance", "energy_balance")
+COLUMNS = (
+    *KEYS, "outcome", "certified", "failed_checks", "accepted_steps", *LAST, *CHECKS, "iterations", "factorisations",
+    "processor_seconds",
+)  # fmt: skip
+BOTH, SDDP = ("sddp", "single-step"), ("sddp",)
+STRENGTHS, ENERGY_OVER_STRENGTH = (0.0125, 0.025, 0.05), 0.03
+
+
+def bonded(strength: float) -> str:
+    """Return the settings of a strength; bonds of all strengths are strongest at the same opening."""
+    return f"cohesion.strength={strength}; cohesion.energy={ENERGY_OVER_STRENGTH * strength:g}"
+
+
+def listed() -> list[tuple[str, str, tuple[str, ...]]]:
+    """Return case, settings and strategies of all runs."""
+    return [
+        ("shear-empty", "", BOTH),
+        *((case, setting, BOTH) for case, setting, _ in (*pressures(), *inclusions())),
+        *(("shear-cohesive", bonded(value), BOTH) for value in STRENGTHS),
+        ("shear-uniform-pressure", "", SDDP),
+        ("shear-fluid", "", SDDP),
+        *((case, setting, SDDP) for case, setting, _ in fibres()),
+    ]
+
+
+def run_behind(case: str, settings: str, strategy: str) -> Run:
+    """Return the run; with cohesion it has the levels of the case."""
+    if case != "shear-cohesive":
+        return run_of("5x7", case, settings, strategy)
+    return Run(case, (*settings.split("; "), f"strategy.kind={strategy}"))
+
+
+def row_of(run: Run, outcome: str) -> dict[str, object]:
+    """Return what the run's folder says."""
+    summary = run.summary
+    last, checks = summary.get("last_step") or {}, summary.get("certificate") or {}
+    failed = [name for name, check in checks.items() if not check["passed"]]
+    return {
+        "outcome": outcome,
+        "certified": summary.get("certified", False),
+        "failed_checks": " ".join(failed),
+        "accepted_steps": summary.get("accepted_steps", 0),
+        **{name: last.get(name, "") for name in LAST},
+        **{name: f"{checks[name]['worst']:.1e}" if name in checks else "" for name in CHECKS},
+        "iterations": summary.get("iterations", ""),
+        "factorisations": summary.get("factorisations", ""),
+        "processor_seconds": round(summary.get("seconds", {}).get("processor", 0)),
+    }
+
+
+def read_rows() -> list[dict[str, str]]:
+    """Return the rows that are there."""
+    if not TABLE.exists():
+        return []
+    with TABLE.open(encoding="utf-8", newline="") as lines:
+        return list(csv.DictReader(lines))
+
+
+def add_row(row: dict[str, object]) -> None:
+    """Append a row to the table."""
+    is_new = not TABLE.exists()
+    with TABLE.open("a", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        if is_new:
+            writer.writeheader()
+        writer.writerow(row)
+
+
+def write_page() -> None:
+    """Show the rows as a table."""
+    columns = {
+        "case": "case", "settings": "settings", "strategy": "strategy", "accepted_steps": "steps", "outcome": "outcome",
+        "energy": "energy", "plate_force_x": "plate force", "mean_gap": "mean gap", "parted_pairs": "parted pairs",
+        "penetration_over_wall": "overlap over wall", "energy_balance": "energy balance", "iterations": "iterations",
+        "processor_seconds": "processor s",
+    }  # fmt: skip
+    numbers = {"energy", "plate_force_x", "mean_gap"}
+    lines = ["| " + " | ".join(columns.values()) + " |", "|" + "---|" * len(columns)]
+    for row in read_rows():
+        cells = [f"{float(row[key]):.4g}" if key in numbers and row[key] else row[key] for key in columns]
+        lines.append("| " + " | ".join(cells) + " |")
+    PAGE.write_text("# Certificates of the 5x7 tissue\n\n`python -m tools.certify`; last step of each run\n\n"
+                    + "\n".join(lines) + "\n", encoding="utf-8")
+
+
+@click.command(help=__doc__)
+@click.option("--only", default="", help="Runs whose case, settings or strategy contain this only.")
+@click.option("--timeout", default=3000.0, show_default=True, help="Seconds after which a run is stopped.")
+def main(only: str, timeout: float) -> None:
+    """Run what has no row yet."""
+    for case, settings, strategies in listed():
+        for strategy in strategies:
+            key = dict(zip(KEYS, (case, settings, strategy), strict=True))
+            done = any(all(row[name] == value for name, value in key.items()) for row in read_rows())
+            if done or only not in " ".join(key.values()):
+                continue
+            run = run_behind(case, settings, strategy)
+            outcome = run.solve(timeout)
+            row = key | row_of(run, outcome)
+            click.echo(f"{case} {settings} {strategy}: {outcome} {row['failed_checks']}")
+            if not outcome.startswith("stopped"):
+                add_row(row)
+                write_page()
+    write_page()
+
+
+if __name__ == "__main__":
+    main()
