@@ -31,6 +31,7 @@ from ngcell.scene import (
     Fluid,
     Inclusion,
     MooneyRivlin,
+    Mortar,
     Sddp,
 )
 
@@ -157,16 +158,20 @@ def _body_blueprint(scene: BodyScene) -> Blueprint:
         untouched=untouched,
         refinements=scene.refinements,
     )
+    if bodies.dimension == 3 and (isinstance(scene.contact, Mortar) or scene.cohesion is not None):
+        refused = "contact is a Mortar" if isinstance(scene.contact, Mortar) else "cohesion"
+        raise CaseError(f"{refused}; allowed for solids: a Penalty without cohesion")
     check_boundaries(bodies, untouched, wanted_by="untouched edge")
     check_boundaries(bodies, [support.boundary for support in scene.supports])
     pushed = [load.boundary for load in scene.loads if not isinstance(load, BodyForce)]
     check_boundaries(bodies, pushed, wanted_by="load")
     space = DisplacementSpace(bodies, scene.order)
+    given = [support.of_bodies(space.dimension) for support in scene.supports]
     supports = [
         Support(support.boundary, np.array(support.gradient), np.array(support.shift), support.components)
-        for support in scene.supports
+        for support in given
     ]
-    moving = [support for support in scene.supports if support.moves]
+    moving = [support for support in given if support.moves]
     motion = PrescribedMotion(space, supports)
     return Blueprint(
         bodies=bodies,
@@ -174,7 +179,7 @@ def _body_blueprint(scene: BodyScene) -> Blueprint:
         laws=tuple(_law(body.material) for body in scene.bodies),
         motion=motion,
         moved="|".join(scene.moved_boundaries) or "none",
-        travel=np.array(moving[0].shift if moving else (0.0, 0.0)),
+        travel=np.array(moving[0].shift if moving else (0.0,) * space.dimension),
         compact_first=False,
         loads=BoundaryLoads(space, scene.loads, motion) if scene.loads else None,
         fibre_direction=_fibre_directions(scene, bodies),
@@ -197,6 +202,8 @@ def _fibre_directions(scene: BodyScene, bodies: BodyMesh) -> NDArray[np.float64]
     given = [body.material.fibres for body in scene.bodies]
     if not any(given):
         return None
+    if bodies.dimension != 2:
+        raise CaseError("fibres; allowed: in faces in the plane, since their direction lies in it")
     directions = np.tile([1.0, 0.0], (len(given), 1))
     for number, (body, fibres) in enumerate(zip(scene.bodies, given, strict=True)):
         if fibres is not None and fibres.direction is None:

@@ -321,6 +321,7 @@ class Simulation:
             separation_energy=measured.separation_energy,
             bonded_share=measured.bonded_share,
             dissipation=measured.dissipation,
+            plate_force_z=float(measured.plate_force[2]) if self.bodies.dimension == 3 else 0.0,
         )
         snapshot, findings, wall_rows, cell_rows = None, [], [], []
         if is_level and is_contact:

@@ -1,11 +1,12 @@
-"""Concentric rings in plane strain, solved a second way: one dimension, shooting, no finite elements.
+"""Concentric rings in plane strain, or spherical shells, solved a second way: one dimension, shooting, no elements.
 
     python tools/radial.py [--kappa 1000]      print the references K2 to K4 at this ratio of kappa to mu
 
-A point at the reference radius R moves to r(R); its stretches are r' along the radius, r/R around it and 1 across.
-With the stored energy W per reference volume, balance of forces along the radius is
+A point at the reference radius R moves to r(R); its stretches are r' along the radius, r/R around it and 1 across, in a
+shell r/R again. With the stored energy W per reference volume and n = 1 or 2 directions around the radius, balance of
+forces along it is
 
-    d/dR (R dW/dl_r) = dW/dl_t.
+    d/dR (R^n dW/dl_r) = n R^(n-1) dW/dl_t.
 
 Given the radius and the pressure on one circle, r' there follows from the law, and r, r' are marched to the other
 circle. Rings that touch without friction share radius and pressure there, so marching on through the outer ring leaves
@@ -29,18 +30,19 @@ _STEP = 1e-30
 
 @dataclass(frozen=True)
 class RadialSolid:
-    """W = c1/2 (I1* - 3) + c2/2 (I2* - 3) + kappa/2 (ln J)^2."""
+    """W = c1/2 (I1* - 3) + c2/2 (I2* - 3) + kappa/2 (ln J)^2, in a ring (around = 1) or a shell (around = 2)."""
 
     c1: float
     c2: float
     kappa: float
+    around: int = 1
 
     def slopes(self, radial, tangential):
         """dW/dl_r and dW/dl_t."""
-        squares = [radial**2, tangential**2, 1.0]
-        jacobian = radial * tangential
+        squares = [radial**2, tangential**2, tangential**2 if self.around == 2 else 1.0]
+        jacobian = radial * tangential**self.around
         first = sum(squares)
-        second = squares[0] * squares[1] + squares[1] + squares[0]
+        second = squares[0] * squares[1] + squares[1] * squares[2] + squares[2] * squares[0]
         scale = jacobian ** (-2 / 3)
         return [
             (
@@ -110,7 +112,7 @@ def loaded_outside(ring: Ring, radius: float, pressure: float) -> RadialState:
 
 def ring_with_free_rim(solid: RadialSolid, driven: float, radius: float, free: float) -> RadialState:
     """A ring whose circle of reference radius `driven` is brought to `radius`, while `free` bears no load."""
-    isochoric = driven / radius
+    isochoric = (driven / radius) ** solid.around
 
     def load_at_rim(stretch: float) -> float:
         return _pressure(solid, free, *_march(solid, driven, free, radius, stretch))
@@ -186,7 +188,7 @@ def _carried(solid: RadialSolid, start: float, end: float, radius: float, pressu
     def excess(stretch: float) -> float:
         return _pressure(solid, start, radius, stretch) - pressure
 
-    isochoric = start / radius
+    isochoric = (start / radius) ** solid.around
     stretch = brentq(excess, 0.5 * isochoric, 2.0 * isochoric, xtol=1e-15)
     position, stretch = _march(solid, start, end, radius, stretch)
     return position, _pressure(solid, end, position, stretch)
@@ -200,7 +202,7 @@ def _march(solid: RadialSolid, start: float, end: float, radius: float, stretch:
         tangential = position / place
         by_radial, by_tangential = solid.radial_slope(radial, tangential)
         along, around = solid.slopes(radial, tangential)
-        change = by_tangential * (radial - tangential) / place + (along - around) / place
+        change = by_tangential * (radial - tangential) / place + solid.around * (along - around) / place
         return [radial, -change / by_radial]
 
     path = solve_ivp(rate, (start, end), (radius, stretch), method="DOP853", rtol=1e-12, atol=1e-13)
@@ -208,7 +210,7 @@ def _march(solid: RadialSolid, start: float, end: float, radius: float, stretch:
 
 
 def _pressure(solid: RadialSolid, rest: float, radius: float, stretch: float) -> float:
-    return -solid.slopes(stretch, radius / rest)[0] * rest / radius
+    return -solid.slopes(stretch, radius / rest)[0] * (rest / radius) ** solid.around
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})

@@ -16,6 +16,7 @@ from scipy import sparse
 
 from ngcell.contact.method import ContactMethod, ContactSet
 from ngcell.contact.tie import Tie
+from ngcell.contact.turning import roundness
 from ngcell.mechanics.bulk import BulkEnergy
 from ngcell.mechanics.space import DisplacementSpace, csr_matrix
 
@@ -159,16 +160,9 @@ class Assembly:
 
     def _roundness(self, displacement: Array, step: Array) -> Array:
         space = self.space
-        body, count = space.body_of_unknown, space.bodies.body_count
         at, by = self.positions(displacement), step.reshape(space.dimension, -1)
-        weight = np.bincount(body, space.one, count)
-        centre = np.array([np.bincount(body, row * space.one, count) for row in at]) / weight
-        arm = at - centre[:, body] * space.one
-        turn = np.bincount(body, (arm[0] * by[1] - arm[1] * by[0]) * space.one, count)
-        angle = turn / np.bincount(body, (arm**2).sum(0) * space.one, count)
-        angle[np.unique(body[self.fixed.reshape(space.dimension, -1).any(0)])] = 0
-        shrink, slip = (np.cos(angle) - 1)[body], (np.sin(angle) - angle)[body]
-        return np.concatenate([shrink * arm[0] - slip * arm[1], slip * arm[0] + shrink * arm[1]])
+        held = np.unique(space.body_of_unknown[self.fixed.reshape(space.dimension, -1).any(0)])
+        return roundness(at, by, space.one, space.body_of_unknown, held)
 
     def expand(self, displacement: Array) -> Array:
         """Return the displacement with slaves following their masters."""

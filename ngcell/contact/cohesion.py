@@ -219,7 +219,7 @@ def bond_walls(walls: Walls, law: ExponentialLaw) -> Bonds:
 
 
 def _chosen(partners: Partners, which: Index) -> Partners:
-    return Partners(**{name: array[which] for name, array in vars(partners).items()})
+    return Partners(**{name: array[which] for name, array in vars(partners).items() if array is not None})
 
 
 def _kinematics(walls: Walls, partners: Partners) -> GapKinematics:

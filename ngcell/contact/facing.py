@@ -37,7 +37,7 @@ class FacingWalls:
     other : array of int, shape (points,)
         Body that the point faces.
     weight : array of float, shape (points,)
-        Quadrature weight [length].
+        Quadrature weight [length], in space [length**2].
     is_middle : array of bool, shape (points,)
         Whether the point lies in the middle half of its wall.
     """
@@ -61,7 +61,7 @@ def find_facing(walls: Walls, tolerance: float) -> FacingWalls:
     one, two = near_edges(walls, walls.rest, tolerance)
     normal = walls.chord_normals(walls.rest)
     opposite = np.einsum("ed,ed->e", normal[one], normal[two]) < _OPPOSITE
-    middle = walls.basis.values(np.array([0.5]))[0] @ walls.rest
+    middle = walls.basis.values(walls.basis.centre[None])[0] @ walls.rest
     edges = np.unique(np.column_stack([one, walls.body[two]])[opposite], axis=0)
     edge, other = edges.T
     gap = nearest_on_body(walls, walls.rest, middle[edge], other)
@@ -78,8 +78,9 @@ def find_facing(walls: Walls, tolerance: float) -> FacingWalls:
 
 def count_corners(walls: Walls) -> int:
     """Return the number of places where walls of three bodies or more meet at rest."""
-    ends = walls.rest[:, [0, -1]].reshape(-1, 2)
-    body = np.repeat(walls.body, 2)
+    corners = walls.basis.corner_nodes
+    ends = walls.rest[:, corners].reshape(-1, walls.dimension)
+    body = np.repeat(walls.body, len(corners))
     scale = np.abs(ends).max()
     _, place = np.unique(np.round(ends / (1e-7 * scale)), axis=0, return_inverse=True)
     meeting = np.unique(np.column_stack([place.ravel(), body]), axis=0)

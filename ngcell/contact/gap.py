@@ -10,11 +10,15 @@ from that line when the true foot slides by ``a . t``. With the secondary curvat
 outward normal) and the gap g, both frozen where the partner was found, ``slip = k / (|t|^2 (1 - k g))``. So g and its
 first two derivatives are those of the distance to the curved wall itself: the tangent with frozen partners is the
 tangent of the energy whose partners are found anew, and Newton's method converges quadratically.
+
+In space there are two tangents, and feet of normals to a side besides; see `ngcell.contact.space_gap`. What a gap is,
+is a `Shape`; the rest is the same.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,9 +30,53 @@ from ngcell.contact.walls import Walls
 Array = NDArray[np.float64]
 
 
+class Shape(Protocol):
+    """What a gap is, and its derivatives by the vectors ``(a, t)``, in space ``(a, t, t')``, each of shape (n, d)."""
+
+    def gaps(self, partners: Partners, side: Array, slip: Array, *vectors: Array) -> Array:
+        """Return the gaps [length], shape (n,)."""
+
+    def slopes(self, partners: Partners, side: Array, slip: Array, gap: Array, *vectors: Array) -> Array:
+        """Return the derivatives by the components of the vectors, shape (n, d * vectors)."""
+
+    def curvatures(
+        self, partners: Partners, chosen: NDArray[np.int64], side: Array, slip: Array, *vectors: Array
+    ) -> Array:
+        """Return the second derivatives of chosen gaps, whose side, slip and vectors are given."""
+
+
+class PlanarShape:
+    """Gaps in the plane."""
+
+    def gaps(self, partners: Partners, side: Array, slip: Array, a: Array, t: Array) -> Array:
+        """Return the gaps."""
+        foot = _height(a, t, side) - slip / 2 * _along(a, t) ** 2
+        return np.where(partners.at_end, partners.sign * np.linalg.norm(a, axis=1), foot)
+
+    def slopes(self, partners: Partners, side: Array, slip: Array, gap: Array, a: Array, t: Array) -> Array:
+        """Return the derivatives by ``(a_x, a_y, t_x, t_y)``."""
+        speed = np.linalg.norm(t, axis=1)[:, None]
+        height = _height(a, t, side)[:, None]
+        side, slid = side[:, None], (slip * _along(a, t))[:, None]
+        by_offset = side * np.column_stack([t[:, 1], -t[:, 0]]) / speed - slid * t
+        by_tangent = side * np.column_stack([-a[:, 1], a[:, 0]]) / speed - height * t / speed**2 - slid * a
+        end = partners.at_end
+        by_offset[end] = a[end] / gap[end, None]
+        by_tangent[end] = 0
+        return np.column_stack([by_offset, by_tangent])
+
+    def curvatures(
+        self, partners: Partners, chosen: NDArray[np.int64], side: Array, slip: Array, a: Array, t: Array
+    ) -> Array:
+        """Return the second derivatives of chosen gaps by ``(a, t)``, shape (chosen, 4, 4)."""
+        end, sign = partners.at_end[chosen], partners.sign[chosen]
+        foot = _foot_curvature(a, t, side) - slip[:, None, None] * _slip_curvature(a, t)
+        return np.where(end[:, None, None], _end_curvature(a, sign), foot)
+
+
 @dataclass(frozen=True, eq=False)
 class GapKinematics:
-    """Linear maps from unknowns to ``(a, t)`` of each partner.
+    """Linear maps from unknowns to ``(a, t)`` of each partner, in space to ``(a, t, t')``.
 
     Attributes
     ----------
@@ -40,8 +88,12 @@ class GapKinematics:
         Factors of those unknowns in a component of ``a`` and of ``t``.
     side : array of float, shape (n,)
         Side of the secondary edge.
-    slip : array of float, shape (n,)
+    slip : array of float, shape (n,), in space (n, 2, 2)
         Factor of ``(a . t)^2 / 2`` in the gap [1 / length**3]; 0 at ends and on straight edges.
+    other_tangent : array of float, shape (n, 2 (order + 1)), optional
+        Factors of ``t'``.
+    shape : Shape
+        What the gap is.
     """
 
     partners: Partners
@@ -50,41 +102,34 @@ class GapKinematics:
     tangent: Array
     side: Array
     slip: Array
+    other_tangent: Array | None = None
+    shape: Shape = field(default_factory=PlanarShape)
 
-    def vectors(self, positions: Array) -> tuple[Array, Array]:
-        """Return ``a`` and ``t``, each (n, 2), of positions given as unknowns of shape (2, scalar unknowns)."""
+    @property
+    def maps(self) -> tuple[Array, ...]:
+        """Factors of the unknowns in a component of each vector."""
+        planar = self.offset, self.tangent
+        return planar if self.other_tangent is None else (*planar, self.other_tangent)
+
+    def vectors(self, positions: Array) -> tuple[Array, ...]:
+        """Return ``a`` and ``t``, each (n, d), of positions given as unknowns of shape (d, scalar unknowns)."""
         local = positions[:, self.dofs]
-        return (local * self.offset).sum(2).T, (local * self.tangent).sum(2).T
+        return tuple((local * factors).sum(2).T for factors in self.maps)
 
     def gaps(self, positions: Array) -> Array:
         """Return the gaps [length], shape (n,)."""
-        return self._gap(*self.vectors(positions))
-
-    def _gap(self, a: Array, t: Array) -> Array:
-        foot = _height(a, t, self.side) - self.slip / 2 * _along(a, t) ** 2
-        return np.where(self.partners.at_end, self.partners.sign * np.linalg.norm(a, axis=1), foot)
+        return self.shape.gaps(self.partners, self.side, self.slip, *self.vectors(positions))
 
     def slopes(self, positions: Array) -> tuple[Array, Array]:
-        """Return the gaps and their derivatives by ``(a_x, a_y, t_x, t_y)``, shape (n, 4)."""
-        a, t = self.vectors(positions)
-        gap = self._gap(a, t)
-        speed = np.linalg.norm(t, axis=1)[:, None]
-        side, height = self.side[:, None], _height(a, t, self.side)[:, None]
-        slid = (self.slip * _along(a, t))[:, None]
-        by_offset = side * np.column_stack([t[:, 1], -t[:, 0]]) / speed - slid * t
-        by_tangent = side * np.column_stack([-a[:, 1], a[:, 0]]) / speed - height * t / speed**2 - slid * a
-        end = self.partners.at_end
-        by_offset[end] = a[end] / gap[end, None]
-        by_tangent[end] = 0
-        return gap, np.column_stack([by_offset, by_tangent])
+        """Return the gaps and their derivatives by the components of the vectors, ``a`` first."""
+        vectors = self.vectors(positions)
+        gap = self.shape.gaps(self.partners, self.side, self.slip, *vectors)
+        return gap, self.shape.slopes(self.partners, self.side, self.slip, gap, *vectors)
 
     def curvatures(self, positions: Array, chosen: NDArray[np.int64]) -> Array:
-        """Return the second derivatives of chosen gaps by ``(a, t)``; shape (chosen, 4, 4)."""
-        a, t = (vector[chosen] for vector in self.vectors(positions))
-        end, side = self.partners.at_end[chosen], self.side[chosen]
-        sign = self.partners.sign[chosen]
-        foot = _foot_curvature(a, t, side) - self.slip[chosen, None, None] * _slip_curvature(a, t)
-        return np.where(end[:, None, None], _end_curvature(a, sign), foot)
+        """Return the second derivatives of chosen gaps by the components of the vectors."""
+        vectors = (vector[chosen] for vector in self.vectors(positions))
+        return self.shape.curvatures(self.partners, chosen, self.side[chosen], self.slip[chosen], *vectors)
 
     def bending(self, positions: Array, pushes: Array) -> sparse.coo_array:
         """Return the part of the tangent that pushes along curved gaps [stress * length], shape (n,), leave."""
@@ -93,38 +138,46 @@ class GapKinematics:
         return self.assemble(blocks, closed, positions.shape[1])
 
     def jacobian(self, slopes: Array, columns: int) -> sparse.csr_array:
-        """Return the derivatives of all gaps by the unknowns, from `slopes`; shape (n, 2 columns)."""
-        data = [
-            slopes[:, [axis]] * self.offset + slopes[:, [axis + 2]] * self.tangent for axis in range(2)
-        ]
-        indices = np.concatenate([self.dofs, self.dofs + columns], axis=1)
+        """Return the derivatives of all gaps by the unknowns, from `slopes`; shape (n, d columns)."""
+        axes = slopes.shape[1] // len(self.maps)
+        data = []
+        for axis in range(axes):
+            part = slopes[:, [axis]] * self.maps[0]
+            for number, factors in enumerate(self.maps[1:], start=1):
+                part = part + slopes[:, [axis + number * axes]] * factors
+            data.append(part)
+        indices = np.concatenate([self.dofs + axis * columns for axis in range(axes)], axis=1)
         pointer = np.arange(len(indices) + 1) * indices.shape[1]
         return sparse.csr_array(
-            (np.concatenate(data, axis=1).ravel(), indices.ravel(), pointer), shape=(len(indices), 2 * columns)
+            (np.concatenate(data, axis=1).ravel(), indices.ravel(), pointer), shape=(len(indices), axes * columns)
         )
 
     def assemble(self, blocks: Array, chosen: NDArray[np.int64], columns: int) -> sparse.coo_array:
-        """Return the sum over chosen partners of their (4, 4) blocks in ``(a, t)``, as a matrix in the unknowns."""
-        offset, tangent = self.offset[chosen], self.tangent[chosen]
-        empty = np.zeros_like(offset)
+        """Return the sum over chosen partners of their blocks in the vectors, as a matrix in the unknowns."""
+        axes = blocks.shape[1] // len(self.maps)
+        factors = [each[chosen] for each in self.maps]
+        empty = np.zeros_like(factors[0])
         maps = np.stack(
             [
-                np.concatenate([offset, empty], axis=1),
-                np.concatenate([empty, offset], axis=1),
-                np.concatenate([tangent, empty], axis=1),
-                np.concatenate([empty, tangent], axis=1),
+                np.concatenate([each if axis == other else empty for other in range(axes)], axis=1)
+                for each in factors
+                for axis in range(axes)
             ],
             axis=1,
         )
         local = np.einsum("pai,pab,pbj->pij", maps, blocks, maps, optimize=True)
-        unknown = np.concatenate([self.dofs[chosen], self.dofs[chosen] + columns], axis=1)
+        unknown = np.concatenate([self.dofs[chosen] + axis * columns for axis in range(axes)], axis=1)
         row = np.repeat(unknown, unknown.shape[1], axis=1).ravel()
         column = np.tile(unknown, (1, unknown.shape[1])).ravel()
-        return sparse.coo_array((local.ravel(), (row, column)), shape=(2 * columns, 2 * columns))
+        return sparse.coo_array((local.ravel(), (row, column)), shape=(axes * columns, axes * columns))
 
 
 def gap_kinematics(walls: Walls, partners: Partners, positions: Array) -> GapKinematics:
-    """Return the kinematics of partners that were found at `positions`, unknowns of shape (2, scalar unknowns)."""
+    """Return the kinematics of partners that were found at `positions`, unknowns of shape (d, scalar unknowns)."""
+    if walls.dimension == 3:
+        from ngcell.contact.space_gap import space_kinematics
+
+        return space_kinematics(walls, partners, positions)
     primary = walls.trace(partners.edge, partners.here)
     secondary = walls.trace(partners.other, partners.xi)
     slope, bend = (walls.trace(partners.other, partners.xi, derivative=degree) for degree in (1, 2))

@@ -289,5 +289,4 @@ def _carriers_first(walls: Walls, stiffness: Array) -> Index:
 
 
 def _arrays(partners: Partners) -> tuple[NDArray[np.generic], ...]:
-    names = Partners.__dataclass_fields__
-    return tuple(getattr(partners, name) for name in names)
+    return tuple(array for array in vars(partners).values() if array is not None)

@@ -44,7 +44,7 @@ class Partners:
     edge : array of int
         Primary edge.
     here : array of float
-        Coordinate of the point on it, in [0, 1].
+        Coordinate of the point on it, in [0, 1]; in space two.
     weight : array of float
         Quadrature weight of the point [length].
     other : array of int
@@ -55,6 +55,9 @@ class Partners:
         Whether the closest point is an end of the secondary edge and no foot of a normal.
     sign : array of float
         +1 outside the secondary body, -1 inside.
+    glide : array of float, optional
+        In space: direction on the secondary face in which the closest point may slide along its side, two coordinates;
+        0 at corners and feet.
     """
 
     point: Index
@@ -65,6 +68,7 @@ class Partners:
     xi: Array
     at_end: NDArray[np.bool_]
     sign: Array
+    glide: Array | None = None
 
     def __len__(self) -> int:
         return len(self.edge)
@@ -128,7 +132,7 @@ class PartnerSearch:
         walls = self._walls
         number, other = self._candidates(nodes)
         place = np.einsum("pi,pid->pd", self._values, nodes[self._points.edge])[number]
-        keep = _best_chords(number, walls.body[other], place, nodes[other], self.reach)
+        keep = _best(walls, nodes, number, other, place, self.reach)
         number, other, place = number[keep], other[keep], place[keep]
         xi, distance = closest_on_edges(walls, nodes[other], place)
         group = number * (walls.body.max() + 1) + walls.body[other]
@@ -146,9 +150,9 @@ class PartnerSearch:
 
 def near_edges(walls: Walls, nodes: Array, reach: float) -> tuple[Index, Index]:
     """Return all ordered pairs of edges of different bodies that are nearer than `reach` [length]."""
-    middle = (nodes[:, 0] + nodes[:, -1]) / 2
+    middle = walls.middles(nodes)
     half = np.linalg.norm(nodes - middle[:, None], axis=2).max(1)
-    one, two = near_pairs(middle, reach + 2 * float(half.max()))
+    one, two = near_pairs(middle, reach + 2 * float(half.max(initial=0.0)))
     distance = np.linalg.norm(middle[one] - middle[two], axis=1)
     near = (walls.body[one] != walls.body[two]) & (distance < reach + half[one] + half[two])
     one, two = one[near], two[near]
@@ -182,16 +186,25 @@ def nearest_on_body(walls: Walls, nodes: Array, point: Array, body: Index) -> Ar
     row = np.repeat(np.arange(len(point)), count)
     within = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
     other = order[first[body[row]] + within]
-    keep = _best_chords(row, walls.body[other], point[row], nodes[other], np.inf)
+    keep = _best(walls, nodes, row, other, point[row], np.inf)
     row, other = row[keep], other[keep]
     xi, distance = closest_on_edges(walls, nodes[other], point[row])
     best = _smallest_of_group(row, _joints_apart(walls, nodes, other, point[row], distance))
     nowhere = np.zeros(len(point))
-    points = WallPoints(np.zeros(len(point), dtype=np.int64), nowhere, nowhere)
+    points = WallPoints(np.zeros(len(point), dtype=np.int64), np.zeros((len(point), *xi.shape[1:])), nowhere)
     found = _classified(walls, nodes, points, row[best], other[best], xi[best], point[row[best]])
     signed = distance[best]
     signed[found.point] *= found.sign
     return signed
+
+
+def _best(walls: Walls, nodes: Array, group: Index, other: Index, point: Array, reach: float) -> Index:
+    """Return the candidates that may hold the nearest point of the same body."""
+    if walls.dimension == 2:
+        return _best_chords(group, walls.body[other], point, nodes[other], reach)
+    from ngcell.contact.closest import nearest_candidates
+
+    return nearest_candidates(walls, nodes, group, other, point, reach)
 
 
 def _best_chords(group: Index, body: Index, point: Array, nodes: Array, reach: float) -> Index:
@@ -213,6 +226,10 @@ def _best_chords(group: Index, body: Index, point: Array, nodes: Array, reach: f
 
 def closest_on_edges(walls: Walls, nodes: Array, point: Array) -> tuple[Array, Array]:
     """Return coordinate and distance of the closest point on curved edges; `nodes` has one edge a point."""
+    if walls.dimension == 3:
+        from ngcell.contact.closest import closest_on_faces
+
+        return closest_on_faces(walls, nodes, point)
     chord = nodes[:, -1] - nodes[:, 0]
     xi = np.einsum("pd,pd->p", point - nodes[:, 0], chord) / np.einsum("pd,pd->p", chord, chord)
     xi = np.clip(xi, 0, 1)
@@ -249,6 +266,12 @@ def _smallest_of_group(group: Index, value: Array) -> Index:
 def _classified(
     walls: Walls, nodes: Array, points: WallPoints, number: Index, other: Index, xi: Array, place: Array
 ) -> Partners:
+    own = (number, points.edge[number], points.xi[number], points.weight[number])
+    if walls.dimension == 3:
+        from ngcell.contact.closest import classified
+
+        at_end, glide, sign, slid_past = classified(walls, nodes, other, xi, place)
+        return Partners(*(array[~slid_past] for array in (*own, other, xi, at_end, sign, glide)))
     mine = nodes[other]
     position = np.einsum("pi,pid->pd", walls.basis.values(xi), mine)
     slope = np.einsum("pi,pid->pd", walls.basis.values(xi, 1), mine)
@@ -261,5 +284,4 @@ def _classified(
     slid_past = at_end & ends_here & (height < 0) & (np.abs(aside) > np.abs(height))
     kept = ~slid_past
     sign = np.where(height < 0, -1.0, 1.0)
-    own = (number, points.edge[number], points.xi[number], points.weight[number])
     return Partners(*(array[kept] for array in (*own, other, xi, at_end, sign)))

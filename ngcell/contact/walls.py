@@ -4,12 +4,16 @@ NGSolve's shape functions on an edge depend on the orientation of the edge, with
 sampled once at equidistant points, so that everything below works with Lagrange polynomials in the edge's own
 coordinate ``xi`` in [0, 1] and needs to know nothing of NGSolve. Signs: the outward normal of an edge is its tangent
 turned by -90 degrees times `side`.
+
+In space a wall is a boundary face, with two coordinates and two tangents; it is called an edge here all the same, and
+what differs is in `ngcell.contact.faces`.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import ngsolve
 import numpy as np
@@ -17,6 +21,9 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ngcell.geometry.bodies import BodyMesh
+
+if TYPE_CHECKING:
+    from ngcell.contact.faces import FaceBasis
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -27,6 +34,16 @@ class Lagrange:
     """Lagrange polynomials of order `order` at equidistant nodes of [0, 1], and their derivatives."""
 
     order: int
+
+    @property
+    def centre(self) -> Array:
+        """Middle of the edge."""
+        return np.array(0.5)
+
+    @property
+    def corner_nodes(self) -> Index:
+        """Nodes at the ends."""
+        return np.array([0, self.order])
 
     @cached_property
     def nodes(self) -> Array:
@@ -55,10 +72,10 @@ class WallPoints:
     ----------
     edge : array of int, shape (n,)
         Edge of each point.
-    xi : array of float, shape (n,)
+    xi : array of float, shape (n,), in space (n, 2)
         Coordinate along it, in [0, 1].
     weight : array of float, shape (n,)
-        Quadrature weight times reference length [length].
+        Quadrature weight times reference length [length], in space area.
     """
 
     edge: Index
@@ -68,7 +85,7 @@ class WallPoints:
 
 @dataclass(frozen=True, eq=False)
 class Walls:
-    """Boundary edges that may touch another body, and the quadrature points on them.
+    """Boundary edges, in space faces, that may touch another body, and the quadrature points on them.
 
     Attributes
     ----------
@@ -97,7 +114,7 @@ class Walls:
     dofs: Index
     nodal: Array
     side: Array
-    basis: Lagrange
+    basis: Lagrange | FaceBasis
     stations: Array
     weights: Array
     depth: Array
@@ -108,19 +125,25 @@ class Walls:
         """Number of edges."""
         return len(self.body)
 
+    @property
+    def dimension(self) -> int:
+        """Space dimension."""
+        return int(self.rest.shape[2])
+
     def nodes(self, unknowns: Array) -> Array:
         """Return the field with these unknowns, shape (2, scalar unknowns), at the nodes: (edges, order + 1, 2)."""
         return np.einsum("eij,dej->eid", self.nodal, unknowns[:, self.dofs])
 
-    def trace(self, edge: Index, xi: Array, derivative: int = 0) -> Array:
+    def trace(self, edge: Index, xi: Array, derivative: int | tuple[int, int] | None = None) -> Array:
         """Return the factors of the unknowns ``dofs[edge]`` at `xi`; shape (points, order + 1)."""
-        return np.einsum("pi,pij->pj", self.basis.values(xi, derivative), self.nodal[edge])
+        values = self.basis.values(xi) if derivative is None else self.basis.values(xi, derivative)
+        return np.einsum("pi,pij->pj", values, self.nodal[edge])
 
     @cached_property
     def stationed(self) -> WallPoints:
         """All quadrature points."""
         edges, count = self.edge_count, len(self.stations)
-        edge, xi = np.repeat(np.arange(edges), count), np.tile(self.stations, edges)
+        edge, xi = np.repeat(np.arange(edges), count), np.tile(self.stations, (edges,) + (1,) * (self.dimension - 2))
         return WallPoints(edge, xi, self.weights.ravel())
 
     @cached_property
@@ -167,11 +190,31 @@ class Walls:
         pointer = width * np.arange(count + 1)
         return sparse.csr_array((np.ones(count * width), self.dofs.ravel(), pointer), shape=(count, columns))
 
+    def middles(self, nodes: Array) -> Array:
+        """Return the middles of the chords, in space of the corners, shape (edges, dimension), at deformed nodes."""
+        if self.dimension == 2:
+            return (nodes[:, 0] + nodes[:, -1]) / 2
+        return np.asarray(nodes[:, self.basis.corner_nodes].mean(1))
+
     def chord_normals(self, nodes: Array) -> Array:
-        """Return the outward unit normals of the chords, shape (edges, 2), at deformed nodes."""
-        chord = nodes[:, -1] - nodes[:, 0]
-        normal = np.column_stack([chord[:, 1], -chord[:, 0]]) * self.side[:, None]
+        """Return the outward unit normals of the chords, shape (edges, dimension), at deformed nodes.
+
+        In space those of the plane through the corners, of a quadrilateral that of its diagonals.
+        """
+        if self.dimension == 2:
+            chord = nodes[:, -1] - nodes[:, 0]
+            normal = np.column_stack([chord[:, 1], -chord[:, 0]]) * self.side[:, None]
+        else:
+            corner = np.moveaxis(nodes[:, self.basis.corner_nodes], 1, 0)
+            normal = np.cross(corner[2] - corner[0], corner[-1] - corner[1]) * self.side[:, None]
         return np.asarray(normal / np.linalg.norm(normal, axis=1)[:, None])
+
+    def stretch(self, nodes: Array, xi: Array) -> Array:
+        """Return the length of the tangent, in space the area between both, at points `xi` of all edges."""
+        if self.dimension == 2:
+            return np.asarray(np.linalg.norm(np.einsum("ki,eid->ekd", self.basis.values(xi, 1), nodes), axis=2))
+        tangents = [np.einsum("ki,eid->ekd", self.basis.values(xi, along), nodes) for along in ((1, 0), (0, 1))]
+        return np.asarray(np.linalg.norm(np.cross(*tangents), axis=2))
 
     @cached_property
     def station_values(self) -> Array:
@@ -188,9 +231,13 @@ def find_walls(bodies: BodyMesh, scalar_space: ngsolve.H1, rest: Array) -> Walls
         The mesh; its `wall_names` say which boundaries are walls.
     scalar_space : ngsolve.H1
         Space of one displacement component.
-    rest : array of float, shape (2, scalar unknowns)
+    rest : array of float, shape (dimension, scalar unknowns)
         Reference coordinates as unknowns of that space.
     """
+    if bodies.dimension == 3:
+        from ngcell.contact.faces import find_faces
+
+        return find_faces(bodies, scalar_space, rest)
     mesh, order = bodies.mesh, scalar_space.globalorder
     basis = Lagrange(order)
     elements = list(mesh.Boundaries(bodies.wall_names).Elements())
@@ -198,7 +245,7 @@ def find_walls(bodies: BodyMesh, scalar_space: ngsolve.H1, rest: Array) -> Walls
     nodal = np.array([_sampled_shapes(scalar_space, element, basis) for element in elements])
     behind = np.array([mesh[element.edges[0]].elements[0].nr for element in elements])
     nodes = np.einsum("eij,dej->eid", nodal, rest[:, dofs])
-    stations, share = _lobatto(order + 2)
+    stations, share = lobatto(order + 2)
     speed = np.linalg.norm(np.einsum("pi,eid->epd", basis.values(stations, 1), nodes), axis=2)
     length = (share * speed).sum(1)
     area, centre = _areas_and_centres(mesh, behind)
@@ -223,7 +270,7 @@ def _sampled_shapes(space: ngsolve.H1, element: ngsolve.comp.Ngs_Element, basis:
     return np.array([np.asarray(shape(xi)).ravel() for xi in basis.nodes])
 
 
-def _lobatto(count: int) -> tuple[Array, Array]:
+def lobatto(count: int) -> tuple[Array, Array]:
     """Return points and weights of the Gauss-Lobatto rule on [0, 1], exact to degree ``2 count - 3``.
 
     It has the ends of the edge among its points: the tip of a sharp corner, which presses first and deepest, would slip

@@ -11,19 +11,20 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-#: Most boxes along an axis, so that the number of a box is exact.
-_MOST_BOXES = 2**30
+#: Most boxes along an axis, by dimension, so that the number of a box is exact.
+_MOST_BOXES = {2: 2**30, 3: 2**20}
 
 
 def near_pairs(points: Array, reach: float) -> tuple[Index, Index]:
     """Return all pairs of points at most `reach` [length] apart, each once, the lower number first, sorted.
 
-    The points are sorted into square boxes of side `reach`. A partner is in the same row of boxes, in this box or
-    the next one, or in the row above, in one of three boxes: both are ranges of the sorted points.
+    The points are sorted into boxes of side `reach`. A partner is in the same row of boxes, in this box or the next
+    one, or in a row beside it (in the plane the one above, in space one of four), in one of three boxes: all are ranges
+    of the sorted points.
 
     Parameters
     ----------
-    points : array of float, shape (points, 2)
+    points : array of float, shape (points, dimension)
         The points [length].
     reach : float
         Largest distance of a pair [length], > 0.
@@ -31,18 +32,24 @@ def near_pairs(points: Array, reach: float) -> tuple[Index, Index]:
     if len(points) < 2:
         return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
     low, high = points.min(0), points.max(0)
-    side = max(reach, float((high - low).max()) / _MOST_BOXES)
-    column, row = np.floor((points - low) / side).astype(np.int64).T
+    side = max(reach, float((high - low).max()) / _MOST_BOXES[points.shape[1]])
+    column, *rows = np.floor((points - low) / side).astype(np.int64).T
     width = int(column.max()) + 3  # an empty box on either side keeps rows apart
+    row, beside = rows[0], [width]
+    if len(rows) == 2:
+        depth = int(row.max()) + 3
+        row = (rows[1] * depth + row) + 1
+        beside = [width, *(width * (depth + shift) for shift in (-1, 0, 1))]
     box = row * width + column + 1
     order = np.argsort(box, kind="stable")
     box = box[order]
     place = np.arange(len(box))
-    own = _ranges(place, place + 1, np.searchsorted(box, box + 1, "right"))
-    above = _ranges(
-        place, np.searchsorted(box, box + width - 1, "left"), np.searchsorted(box, box + width + 1, "right")
-    )
-    one, two = (order[np.concatenate(parts)] for parts in zip(own, above, strict=True))
+    found = [_ranges(place, place + 1, np.searchsorted(box, box + 1, "right"))]
+    found += [
+        _ranges(place, np.searchsorted(box, box + shift - 1, "left"), np.searchsorted(box, box + shift + 1, "right"))
+        for shift in beside
+    ]
+    one, two = (order[np.concatenate(parts)] for parts in zip(*found, strict=True))
     near = ((points[one] - points[two]) ** 2).sum(1) <= reach**2
     lower, upper = np.minimum(one, two)[near], np.maximum(one, two)[near]
     sorting = np.lexsort((upper, lower))

@@ -78,7 +78,7 @@ def mesh_shapes(
     Parameters
     ----------
     shapes : sequence of netgen.occ shapes
-        One planar face each, in the plane z = 0 [length]; they are left unchanged.
+        One planar face each, in the plane z = 0, or one solid each [length]; they are left unchanged.
     names : sequence of str
         Name of each body.
     order : int
@@ -103,6 +103,16 @@ def mesh_shapes(
         If a shape is no planar face, if shapes share an edge, or if Netgen cannot mesh them.
     """
     check_unique_names(names)
+    are_solids = {name: _is_solid(shape, name) for shape, name in zip(shapes, names, strict=True)}
+    if any(are_solids.values()):
+        if not all(are_solids.values()):
+            flat = min(name for name, is_solid in are_solids.items() if not is_solid)
+            raise GeometryError(f"body {flat}: its shape is no solid, others are; allowed: all faces or all solids")
+        if refinements:
+            raise GeometryError("refinements; allowed: in the plane (solids and their faces carry a `maxh`)")
+        from ngcell.geometry.solids import mesh_solids
+
+        return mesh_solids(shapes, names, order=order, size=size, untouched=untouched)
     faces = [_face(shape, name) for shape, name in zip(shapes, names, strict=True)]
     thickness = min(2 * abs(face.mass) / sum(edge.mass for edge in face.edges) for face in faces)
     mesh = _netgen_mesh(faces, names, _meshing(_SIZE * thickness if size is None else size, refinements))
@@ -137,12 +147,14 @@ def check_boundaries(bodies: BodyMesh, wanted: Sequence[str], *, wanted_by: str 
             raise GeometryError(f"{wanted_by} {name}: no such boundary{hint}; allowed: {', '.join(known)}")
 
 
-def _face(shape: Any, name: str) -> occ.Face:
-    """Return the only face of a shape."""
+def _is_solid(shape: Any, name: str) -> bool:
     if not isinstance(shape, occ.TopoDS_Shape):
-        raise GeometryError(f"body {name}: its shape is {shape!r}; allowed: a face made with netgen.occ")
-    if len(shape.solids):
-        raise GeometryError(f"body {name}: its shape is a solid; allowed: planar faces only, for now")
+        raise GeometryError(f"body {name}: its shape is {shape!r}; allowed: a face or a solid made with netgen.occ")
+    return bool(len(shape.solids))
+
+
+def _face(shape: occ.TopoDS_Shape, name: str) -> occ.Face:
+    """Return the only face of a shape."""
     if len(shape.faces) != 1:
         raise GeometryError(f"body {name}: its shape has {len(shape.faces)} faces; allowed: one face a body")
     face = shape.faces[0]

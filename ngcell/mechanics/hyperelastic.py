@@ -57,7 +57,7 @@ class MooneyRivlinLaw:
         return 4 * mu * (3 * kappa + mu) / (3 * kappa + 4 * mu)
 
     def stored_energy(self, gradient: ngsolve.CoefficientFunction) -> ngsolve.CoefficientFunction:
-        """Return W [stress] of a deformation gradient, shape (2, 2) for plane strain."""
+        """Return W [stress] of a deformation gradient, shape (3, 3), or (2, 2) for plane strain."""
         isochoric, volumetric = self.energy_parts(gradient)
         return isochoric + volumetric
 
@@ -65,13 +65,11 @@ class MooneyRivlinLaw:
         self, gradient: ngsolve.CoefficientFunction
     ) -> tuple[ngsolve.CoefficientFunction, ngsolve.CoefficientFunction]:
         """Return the parts of W [stress] that do not know the volume, and that know nothing else."""
-        xx, xy, yx, yy = (gradient[i, j] for i in range(2) for j in range(2))
-        square = xx * xx + xy * xy + yx * yx + yy * yy
-        jacobian = xx * yy - xy * yx
+        first, second, jacobian = _plane_strain(gradient) if gradient.shape == (2, 2) else _invariants(gradient)
         log_jacobian = ngsolve.log(jacobian)
         scale = ngsolve.exp(-2 / 3 * log_jacobian)
-        first = scale * (square + 1)
-        second = scale * scale * (square + jacobian * jacobian)
+        first = scale * first
+        second = scale * scale * second
         volumetric = self.bulk_modulus / 2 * log_jacobian * log_jacobian
         return self.c1 / 2 * (first - 3) + self.c2 / 2 * (second - 3), volumetric
 
@@ -88,3 +86,27 @@ class MooneyRivlinLaw:
         return np.asarray(
             (stretch + (self.bulk_modulus * np.log(jacobian) - mean) * np.eye(3)) / jacobian
         )
+
+
+def _plane_strain(gradient: ngsolve.CoefficientFunction) -> tuple[ngsolve.CoefficientFunction, ...]:
+    """Return I1, I2 and J without stretch out of the plane."""
+    xx, xy, yx, yy = (gradient[i, j] for i in range(2) for j in range(2))
+    square = xx * xx + xy * xy + yx * yx + yy * yy
+    jacobian = xx * yy - xy * yx
+    return square + 1, square + jacobian * jacobian, jacobian
+
+
+def _invariants(gradient: ngsolve.CoefficientFunction) -> tuple[ngsolve.CoefficientFunction, ...]:
+    """Return I1, I2 and J: the squares of F and of its cofactors, and its determinant."""
+    entry = [[gradient[i, j] for j in range(3)] for i in range(3)]
+    cofactor = [
+        [
+            entry[(i + 1) % 3][(j + 1) % 3] * entry[(i + 2) % 3][(j + 2) % 3]
+            - entry[(i + 1) % 3][(j + 2) % 3] * entry[(i + 2) % 3][(j + 1) % 3]
+            for j in range(3)
+        ]
+        for i in range(3)
+    ]
+    first, second = (sum(number * number for row in matrix for number in row) for matrix in (entry, cofactor))
+    jacobian = entry[0][0] * cofactor[0][0] + entry[0][1] * cofactor[0][1] + entry[0][2] * cofactor[0][2]
+    return first, second, jacobian

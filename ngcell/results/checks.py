@@ -131,8 +131,13 @@ def _penetration(assembly: Assembly, state: State) -> float:
         return 0.0  # The compact solid has no contact: what it leaves untied, at rounded corners, may overlap.
     positions, walls = assembly.positions(state.displacement), assembly.contact.walls
     gaps = state.contact.kinematics.gaps(positions)
-    deepest = max(-float(gaps.min(initial=0.0)), deepest_overlap(walls, walls.nodes(positions)))
-    return deepest / assembly.space.bodies.thickness
+    if walls.dimension == 2:
+        seen = deepest_overlap(walls, walls.nodes(positions))
+    else:
+        from ngcell.results.space_overlap import deepest_overlap_of_solids
+
+        seen = deepest_overlap_of_solids(assembly.space, walls, positions)
+    return max(-float(gaps.min(initial=0.0)), seen) / assembly.space.bodies.thickness
 
 
 def _tension(assembly: Assembly, state: State) -> float:

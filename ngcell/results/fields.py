@@ -1,15 +1,12 @@
 """Snapshots of a state: displacement, volume ratio and stress of the bodies, gap and pressure of their walls.
 
 Every element brings its own points, so that bodies stay apart and stresses, which jump between elements, are
-not smoothed. Values at the points are those of the finite element functions. Up to order 2 one VTK cell shows
-one element without loss of displacement (quadrilaterals of VTK type 28, triangles of type 22); from order 3
-on it takes 2 x 2 such cells, whose points carry exact values while VTK's quadratics in between do not.
+not smoothed. Values at the points are those of the finite element functions; see `ngcell.results.patterns`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
 
 import ngsolve
 import numpy as np
@@ -19,27 +16,14 @@ from ngcell.contact.assembly import Assembly
 from ngcell.contact.walls import Walls
 from ngcell.errors import GeometryError
 from ngcell.mechanics.space import DisplacementSpace
+from ngcell.results.patterns import Pattern, pattern_of, wall_pattern
 from ngcell.results.snapshot import Grid, Snapshot
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-_BIQUADRATIC_QUAD = 28
-_QUADRATIC_TRIANGLE = 22
-_QUADRATIC_EDGE = 21
-
-#: VTK's nodes of a cell, in half its width: corners, middles of the sides, and a quadrilateral's centre.
-_QUAD_NODES = np.array([(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1), (1, 1)])
-_TRIANGLE_NODES = np.array([(0, 0), (2, 0), (0, 2), (1, 0), (1, 1), (0, 1)])
-
-
-@dataclass(frozen=True, eq=False)
-class _Pattern:
-    """How an element is drawn: points in its reference coordinates, (points, 2), and cells of them."""
-
-    points: Array
-    cells: Index
-    cell_type: int
+#: Elements that can be drawn, in the plane and in space; a mesh has one kind only.
+_DRAWN = ({ngsolve.ET.QUAD}, {ngsolve.ET.TRIG}, {ngsolve.ET.TET}, {ngsolve.ET.HEX}, {ngsolve.ET.PRISM})
 
 
 def take_snapshot(
@@ -60,7 +44,7 @@ def take_snapshot(
     Parameters
     ----------
     assembly : Assembly
-        The planar bodies, all of quadrilaterals or all of triangles.
+        The bodies, all of elements of one kind.
     displacement : array of float, shape (unknowns,)
         The displacement [length]; in a tied assembly slaves follow their masters.
     walls : Walls
@@ -71,8 +55,8 @@ def take_snapshot(
         Share of the case's full load, in [0, 1].
     plate_displacement : float
         Length of the displacement of the moved plate [length], >= 0.
-    gap, contact_pressure : array of float, shape (edges, 3)
-        Normal gap [length], open > 0, and pressure [stress], >= 0, at ``xi = 0, 1/2, 1`` of each wall edge.
+    gap, contact_pressure : array of float, shape (edges, points)
+        Normal gap [length], open > 0, and pressure [stress], >= 0, at the points that walls are drawn with.
     free_bodies : collection or array of int
         Numbers of the bodies that nothing holds.
     cell_pressure : array of float, shape (bodies,), optional
@@ -81,7 +65,7 @@ def take_snapshot(
     Raises
     ------
     GeometryError
-        If the mesh has other elements than only quadrilaterals or only triangles.
+        If the mesh has elements of several kinds, or pyramids.
 
     Notes
     -----
@@ -100,26 +84,25 @@ def take_snapshot(
 def jacobian_range(assembly: Assembly, displacement: Array) -> tuple[float, float]:
     """Return the smallest and the largest J = det F [1].
 
-    They are taken over the quadrature points of the stored energy, and over the corners of each element, the
-    middles of its sides and, for a quadrilateral, its centre; from order 3 on over those of its quarters.
+    They are taken over the quadrature points of the stored energy, and over the points that elements are drawn with.
 
     Parameters
     ----------
     assembly : Assembly
-        The planar bodies, all of quadrilaterals or all of triangles.
+        The bodies, all of elements of one kind.
     displacement : array of float, shape (unknowns,)
         The displacement [length]; in a tied assembly slaves follow their masters.
 
     Raises
     ------
     GeometryError
-        If the mesh has other elements than only quadrilaterals or only triangles.
+        If the mesh has elements of several kinds, or pyramids.
     """
     space = assembly.space
     kind = _element_type(space)
     quadrature = ngsolve.IntegrationRule(kind, 2 * space.order).points
-    lattice = _pattern(kind, space.order).points
-    places = _map(space, kind, np.vstack([np.array(quadrature)[:, :2], lattice]))
+    lattice = pattern_of(kind, space.order).points
+    places = _map(space, kind, np.vstack([np.array(quadrature)[:, : space.dimension], lattice]))
     jacobian = np.linalg.det(_deformation_gradient(space, assembly.expand(displacement), places))
     return float(jacobian.min()), float(jacobian.max())
 
@@ -129,7 +112,7 @@ def _bulk_grid(
 ) -> Grid:
     space = assembly.space
     kind = _element_type(space)
-    pattern = _pattern(kind, space.order)
+    pattern = pattern_of(kind, space.order)
     places = _map(space, kind, pattern.points)
     body = space.bodies.body_of_element[places["nr"]]
     gradient = _deformation_gradient(space, displacement, places)
@@ -138,7 +121,7 @@ def _bulk_grid(
     cell_id = body[cells[:, 0]]
     held = {} if cell_pressure is None else {"cell_pressure": cell_pressure[cell_id]}
     return Grid(
-        points=_in_space(ngsolve.CF((ngsolve.x, ngsolve.y))(places)),
+        points=_in_space(ngsolve.CF((ngsolve.x, ngsolve.y, ngsolve.z)[: space.dimension])(places)),
         cells=cells,
         cell_type=pattern.cell_type,
         point_data={
@@ -152,18 +135,19 @@ def _bulk_grid(
 
 
 def _walls_grid(walls: Walls, displacement: Array, gap: Array, contact_pressure: Array) -> Grid:
-    """Return one quadratic edge a wall edge; VTK lists its two ends first and its middle last."""
-    at_nodes = walls.basis.values(np.array([0.0, 1.0, 0.5]))
-    moved = walls.nodes(displacement.reshape(2, -1))
-    ends_first = [0, 2, 1]
+    """Return one quadratic cell a wall edge."""
+    pattern = wall_pattern(walls)
+    order = pattern.cells[0]
+    at_nodes = walls.basis.values(pattern.points[order])
+    moved = walls.nodes(displacement.reshape(walls.dimension, -1))
     return Grid(
-        points=_in_space((at_nodes @ walls.rest).reshape(-1, 2)),
-        cells=np.arange(3 * walls.edge_count).reshape(-1, 3),
-        cell_type=_QUADRATIC_EDGE,
+        points=_in_space((at_nodes @ walls.rest).reshape(-1, walls.dimension)),
+        cells=np.arange(len(order) * walls.edge_count).reshape(-1, len(order)),
+        cell_type=pattern.cell_type,
         point_data={
-            "displacement": _in_space((at_nodes @ moved).reshape(-1, 2)),
-            "gap": gap[:, ends_first].ravel(),
-            "contact_pressure": contact_pressure[:, ends_first].ravel(),
+            "displacement": _in_space((at_nodes @ moved).reshape(-1, walls.dimension)),
+            "gap": gap[:, order].ravel(),
+            "contact_pressure": contact_pressure[:, order].ravel(),
         },
         cell_data={"cell_id": walls.body},
     )
@@ -171,11 +155,10 @@ def _walls_grid(walls: Walls, displacement: Array, gap: Array, contact_pressure:
 
 def _element_type(space: DisplacementSpace) -> ngsolve.ET:
     kinds = {element.type for element in space.bodies.mesh.Elements(ngsolve.VOL)}
-    if kinds not in ({ngsolve.ET.QUAD}, {ngsolve.ET.TRIG}):
+    if kinds not in _DRAWN:
         names = ", ".join(sorted(kind.name for kind in kinds)) or "no elements"
-        raise GeometryError(
-            f"the mesh holds {names}; only QUAD or only TRIG is possible: mesh all bodies alike"
-        )
+        possible = " or ".join(f"only {kind.name}" for one in _DRAWN for kind in one)
+        raise GeometryError(f"the mesh holds {names}; {possible} is possible: mesh all bodies alike")
     return kinds.pop()
 
 
@@ -186,9 +169,10 @@ def _map(space: DisplacementSpace, kind: ngsolve.ET, points: Array) -> NDArray[n
 
 
 def _deformation_gradient(space: DisplacementSpace, displacement: Array, places: NDArray[np.void]) -> Array:
-    """Return F [1] of plane strain, shape (points, 3, 3)."""
-    gradient = np.tile(np.eye(3), (len(places), 1, 1))
-    gradient[:, :2, :2] += ngsolve.Grad(space.function(displacement))(places).reshape(-1, 2, 2)
+    """Return F [1], in the plane that of plane strain, shape (points, 3, 3)."""
+    gradient, dimension = np.tile(np.eye(3), (len(places), 1, 1)), space.dimension
+    own = ngsolve.Grad(space.function(displacement))(places).reshape(-1, dimension, dimension)
+    gradient[:, :dimension, :dimension] += own
     return gradient
 
 
@@ -210,34 +194,10 @@ def _von_mises(stress: Array) -> Array:
     return np.asarray(np.sqrt(1.5 * np.einsum("pij,pij->p", deviator, deviator)))
 
 
-def _pattern(kind: ngsolve.ET, order: int) -> _Pattern:
-    pieces = 1 if order <= 2 else 2
-    return _quad_pattern(pieces) if kind == ngsolve.ET.QUAD else _triangle_pattern(pieces)
-
-
-def _quad_pattern(pieces: int) -> _Pattern:
-    starts = 2 * np.argwhere(np.ones((pieces, pieces)))
-    return _numbered(starts[:, None] + _QUAD_NODES, 2 * pieces, _BIQUADRATIC_QUAD)
-
-
-def _triangle_pattern(pieces: int) -> _Pattern:
-    starts = 2 * np.argwhere(np.ones((pieces, pieces)))
-    upward = starts[starts.sum(1) < 2 * pieces]
-    downward = starts[starts.sum(1) < 2 * pieces - 2] + 2
-    nodes = np.concatenate([upward[:, None] + _TRIANGLE_NODES, downward[:, None] - _TRIANGLE_NODES])
-    return _numbered(nodes, 2 * pieces, _QUADRATIC_TRIANGLE)
-
-
-def _numbered(nodes: Index, width: int, cell_type: int) -> _Pattern:
-    """Number the distinct nodes of cells, (cells, nodes, 2), given on a lattice of `width` intervals."""
-    points, number = np.unique(nodes.reshape(-1, 2), axis=0, return_inverse=True)
-    return _Pattern(points / width, number.reshape(nodes.shape[:2]), cell_type)
-
-
-def _repeat_cells(pattern: _Pattern, point_count: int) -> Index:
+def _repeat_cells(pattern: Pattern, point_count: int) -> Index:
     first = np.arange(0, point_count, len(pattern.points))
     return (first[:, None, None] + pattern.cells).reshape(-1, pattern.cells.shape[1])
 
 
 def _in_space(vectors: Array) -> Array:
-    return np.column_stack([vectors, np.zeros(len(vectors))])
+    return np.column_stack([vectors, np.zeros((len(vectors), 3 - vectors.shape[1]))])

@@ -24,9 +24,9 @@ class ContactForces:
     ----------
     bodies : array of int, shape (pairs, 2)
         Bodies in touch or joined by bonds, the lower number first.
-    force : array of float, shape (pairs, 2)
+    force : array of float, shape (pairs, dimension)
         Force on the first body of each pair [stress * length].
-    on_body : array of float, shape (bodies, 2)
+    on_body : array of float, shape (bodies, dimension)
         Sum of these forces on each body.
     pressed : array of float, shape (bodies,)
         Sum of the magnitudes of the forces between each body and its partners.
@@ -53,16 +53,16 @@ class ContactForces:
 
 def contact_forces(assembly: Assembly, state: State) -> ContactForces:
     """Return the forces of contact and bonds of a state; none without contact."""
-    count = assembly.space.bodies.body_count
+    count, dimension = assembly.space.bodies.body_count, assembly.space.dimension
     if assembly.contact is None or state.contact is None:
-        nothing = np.zeros((0, 2))
-        return ContactForces(nothing.astype(np.int64), nothing, np.zeros((count, 2)), np.zeros(count))
+        nobody = np.zeros((0, 2), dtype=np.int64)
+        return ContactForces(nobody, np.zeros((0, dimension)), np.zeros((count, dimension)), np.zeros(count))
     partners = state.contact.kinematics.partners
     positions = assembly.positions(state.displacement)
     _, slopes = state.contact.kinematics.slopes(positions)
     push = state.contact.pushes(positions)
     closed = push > 0
-    force = push[closed, None] * slopes[closed, :2]
+    force = push[closed, None] * slopes[closed, :dimension]
     body = assembly.contact.walls.body
     mine, theirs = body[partners.edge[closed]], body[partners.other[closed]]
     on_lower = np.where((mine < theirs)[:, None], force, -force)
@@ -72,10 +72,10 @@ def contact_forces(assembly: Assembly, state: State) -> ContactForces:
         on_lower = np.concatenate([on_lower, -bonds.slopes(positions)[:, :2]])
         key = np.concatenate([key, bonds.bodies @ [count, 1]])
     found, place = np.unique(key, return_inverse=True)
-    sums = np.zeros((len(found), 2))
+    sums = np.zeros((len(found), dimension))
     np.add.at(sums, place.ravel(), on_lower)
     bodies = np.column_stack(np.divmod(found, count))
-    on_body, pressed = np.zeros((count, 2)), np.zeros(count)
+    on_body, pressed = np.zeros((count, dimension)), np.zeros(count)
     size = np.linalg.norm(sums, axis=1)
     for column, sign in enumerate((1, -1)):
         np.add.at(on_body, bodies[:, column], sign * sums)

@@ -52,6 +52,8 @@ class StepRecord:
         Share of the bonded wall length that never was opened beyond its strength, in [0, 1]; 0 without bonds.
     dissipation : float
         Energy lost since rest as walls snapped or were let go at held plates [stress * length**3]; 0 without cohesion.
+    plate_force_z : float
+        As the other forces of the moved plate; 0 in a planar scene.
     """
 
     step: int
@@ -76,6 +78,7 @@ class StepRecord:
     separation_energy: float = 0.0
     bonded_share: float = 0.0
     dissipation: float = 0.0
+    plate_force_z: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 from math import isfinite
 from types import UnionType
 from typing import Any, get_args
@@ -19,14 +19,17 @@ from ngcell.scene.load import Levels
 from ngcell.scene.material import Material, MooneyRivlin
 from ngcell.scene.mesh import Refinement
 
-Gradient = tuple[tuple[float, float], tuple[float, float]]
-#: Two numbers, or a function that makes two expressions of the coordinates x and y at rest: sums, products, powers, and
-#: what NGSolve has for them, such as `ngsolve.sin`.
-Vector = tuple[float, float] | Callable[[Any, Any], tuple[Any, Any]]
+#: Two numbers, or three for solids.
+Numbers = tuple[float, float] | tuple[float, float, float]
+Gradient = tuple[Numbers, ...]
+#: Numbers, or a function that makes as many expressions of the coordinates x and y (and z) at rest: sums, products,
+#: powers, and what NGSolve has for them, such as `ngsolve.sin`.
+Vector = Numbers | Callable[..., tuple[Any, ...]]
 
 #: Names become parts of region names, where other signs would have a meaning of their own.
 PLAIN_NAME = re.compile(r"[A-Za-z0-9_-]+")
 
+_NUMBERS = "two finite numbers, or three for solids"
 _LEVELS: TypeAdapter[int | tuple[float, ...]] = TypeAdapter(Levels)
 
 
@@ -37,8 +40,8 @@ class Body:
     Parameters
     ----------
     shape : object
-        A planar face of `netgen.occ` in the plane z = 0 [length]. Edges that carry a name can be supported by
-        it; ``maxh`` on its edges or on the face refines the mesh there.
+        A planar face of `netgen.occ` in the plane z = 0, or a solid [length]; all bodies alike. Edges of the face, or
+        faces of the solid, that carry a name can be supported by it; ``maxh`` on them refines the mesh there.
     material : MooneyRivlin
         What it is made of.
     name : str
@@ -67,29 +70,33 @@ class BodySupport:
     Parameters
     ----------
     boundary : str
-        Name of an edge; for edges without one, ``<body>_outline`` or ``<body>_hole0``, ``<body>_hole1``, ...
-    gradient : tuple of tuple of float, shape (2, 2)
+        Name of an edge, or of a solid's face; for those without one, ``<body>_outline`` or ``<body>_hole0``,
+        ``<body>_hole1``, ...
+    gradient : tuple of tuple of float, shape (dimension, dimension)
         Displacement gradient at load factor 1, without unit.
-    shift : tuple of float, shape (2,)
+    shift : tuple of float, shape (dimension,)
         Displacement of the origin at load factor 1 [length].
-    components : tuple of bool, shape (2,)
+    components : tuple of bool, shape (dimension,)
         Which components are prescribed; the others are free. Where supports meet, the later one counts.
     """
 
     boundary: str
     gradient: Gradient = ((0.0, 0.0), (0.0, 0.0))
-    shift: tuple[float, float] = (0.0, 0.0)
-    components: tuple[bool, bool] = (True, True)
+    shift: Numbers = (0.0, 0.0)
+    components: tuple[bool, ...] = (True, True)
 
     def __post_init__(self) -> None:
         _check_name(self.boundary, "boundary of a support")
         place = f"support {self.boundary}"
-        rows = _pair(self.gradient, f"{place}: gradient", "two rows of two finite numbers")
+        allowed = "two rows of two finite numbers, or three of three for solids"
+        rows = _entries(self.gradient, f"{place}: gradient", allowed)
         for row in rows:
-            _check_numbers(row, f"{place}: gradient", "two rows of two finite numbers")
-        _check_numbers(self.shift, f"{place}: shift", "two finite numbers")
-        allowed = "two booleans, at least one of them True"
-        components = _pair(self.components, f"{place}: components", allowed)
+            _check_numbers(row, f"{place}: gradient", allowed)
+            if len(row) != len(rows):
+                raise CaseError(f"{place}: gradient is {self.gradient!r}; allowed: {allowed}")
+        _check_numbers(self.shift, f"{place}: shift", _NUMBERS)
+        allowed = "two booleans, or three for solids, at least one of them True"
+        components = _entries(self.components, f"{place}: components", allowed)
         if not all(isinstance(entry, bool) for entry in components) or not any(components):
             raise CaseError(f"{place}: components is {self.components!r}; allowed: {allowed}")
 
@@ -97,6 +104,22 @@ class BodySupport:
     def moves(self) -> bool:
         """Whether the support moves at all."""
         return any(value != 0 for row in (*self.gradient, self.shift) for value in row)
+
+    def of_bodies(self, dimension: int) -> BodySupport:
+        """Return the support of bodies of this dimension: what was left out is held in all directions.
+
+        Raises
+        ------
+        CaseError
+            If what was given has another dimension.
+        """
+        still, whole = (0.0,) * dimension, (True,) * dimension
+        held = {"gradient": (still,) * dimension, "shift": still, "components": whole}
+        defaults = {entry.name: entry.default for entry in fields(self)}
+        left_out = {name: value for name, value in held.items() if getattr(self, name) == defaults[name]}
+        for name in held.keys() - left_out.keys():
+            check_dimension(getattr(self, name), f"support {self.boundary}: {name}", dimension)
+        return replace(self, **left_out)
 
 
 @dataclass(frozen=True)
@@ -113,7 +136,8 @@ class Pressure:
     Notes
     -----
     It has an energy, and so a place here, where no end of the loaded line is free: the line is closed, or meets a
-    line under the same pressure, or its end is held, or it slides along a support that stays in place.
+    line under the same pressure, or its end is held, or it slides along a support that stays in place. The same goes
+    for the rim of a solid's face.
     """
 
     boundary: str
@@ -127,14 +151,14 @@ class Pressure:
 
 @dataclass(frozen=True)
 class Traction:
-    """A force ``load_factor * vector`` for each unit of a boundary's length at rest, which keeps its direction.
+    """A force ``load_factor * vector`` for each unit of a boundary's length or area at rest, in a fixed direction.
 
     Parameters
     ----------
     boundary : str
         Name of an edge, as for a support.
-    vector : tuple of float, shape (2,), or function of the place
-        Force on the body for each reference length at load factor 1 [stress].
+    vector : tuple of float, shape (dimension,), or function of the place
+        Force on the body for each reference length or area at load factor 1 [stress].
     """
 
     boundary: str
@@ -147,14 +171,14 @@ class Traction:
 
 @dataclass(frozen=True)
 class BodyForce:
-    """A force ``load_factor * vector`` for each unit of a body's area at rest, which keeps its direction.
+    """A force ``load_factor * vector`` for each unit of a body's area or volume at rest, in a fixed direction.
 
     Parameters
     ----------
     body : str
         Name of a body.
-    vector : tuple of float, shape (2,), or function of the place
-        Force for each reference area at load factor 1 [stress / length].
+    vector : tuple of float, shape (dimension,), or function of the place
+        Force for each reference area or volume at load factor 1 [stress / length].
     """
 
     body: str
@@ -279,19 +303,26 @@ def _sequence(value: object, kind: type | UnionType, place: str) -> tuple[Any, .
     return tuple(value)
 
 
-def _pair(value: object, place: str, allowed: str) -> tuple[Any, ...]:
-    if not isinstance(value, (list, tuple)) or len(value) != 2:
+def check_dimension(value: tuple[Any, ...], place: str, dimension: int) -> None:
+    """Raise CaseError if what was given for bodies of this dimension has another number of entries."""
+    if len(value) != dimension:
+        kind = "faces in the plane" if dimension == 2 else "solids"
+        raise CaseError(f"{place} has {len(value)} entries; allowed: {dimension}, since the bodies are {kind}")
+
+
+def _entries(value: object, place: str, allowed: str) -> tuple[Any, ...]:
+    if not isinstance(value, (list, tuple)) or len(value) not in (2, 3):
         raise CaseError(f"{place} is {value!r}; allowed: {allowed}")
     return tuple(value)
 
 
 def _check_vector(value: object, place: str) -> None:
     if not callable(value):
-        _check_numbers(value, place, "two finite numbers")
+        _check_numbers(value, place, _NUMBERS)
 
 
 def _check_numbers(value: object, place: str, allowed: str) -> None:
-    if not all(_is_number(entry) for entry in _pair(value, place, allowed)):
+    if not all(_is_number(entry) for entry in _entries(value, place, allowed)):
         raise CaseError(f"{place} is {value!r}; allowed: {allowed}")
 
 

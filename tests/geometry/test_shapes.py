@@ -100,6 +100,7 @@ def solid() -> occ.Solid:
     return occ.Box((0, 0, 0), (1, 1, 1))
 
 
+SOLID = solid()
 SQUARE = occ.Rectangle(1, 1).Face()
 GLUED = list(occ.Glue([SQUARE, SQUARE.Move((1, 0, 0))]).faces)
 
@@ -107,12 +108,14 @@ GLUED = list(occ.Glue([SQUARE, SQUARE.Move((1, 0, 0))]).faces)
 @pytest.mark.parametrize(
     ("shapes", "message"),
     [
-        ([solid()], "body a: its shape is a solid; allowed: planar faces only, for now"),
+        ([solid(), SQUARE], "body b: its shape is no solid, others are; allowed: all faces or all solids"),
+        ([occ.Compound([solid(), solid().Move((2, 0, 0))])], "body a: its shape has 2 solids; allowed: one"),
+        ([SOLID, SOLID], "bodies a, b: two of them are the same solid or share a face"),
         ([solid().faces[0]], "body a: its face reaches from z = 0 to 1; allowed: the plane z = 0"),
         ([SQUARE.Move((0, 0, 1))], "body a: its face reaches from z = 1 to 1"),
         ([occ.Compound([SQUARE, SQUARE.Move((2, 0, 0))])], "body a: its shape has 2 faces; allowed: one"),
         ([SQUARE.edges[0]], "body a: its shape has 0 faces"),
-        (["square"], "body a: its shape is 'square'; allowed: a face made with netgen.occ"),
+        (["square"], "body a: its shape is 'square'; allowed: a face or a solid made with netgen.occ"),
         ([SQUARE, SQUARE], "bodies a, b: two of them are the same face or share an edge"),
         (GLUED, "bodies a, b: two of them are the same face or share an edge"),
     ],

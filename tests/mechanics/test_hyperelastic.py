@@ -19,6 +19,10 @@ class Gradient:
 
     values: np.ndarray
 
+    @property
+    def shape(self) -> tuple[int, ...]:
+        return self.values.shape
+
     def __getitem__(self, index: tuple[int, int]) -> float:
         return float(self.values[index])
 
@@ -64,6 +68,13 @@ def solid(gradient: np.ndarray) -> np.ndarray:
 def test_plane_strain_energy_is_the_solid_one_without_stretch_out_of_the_plane(law, seed):
     gradient = random_gradient(seed)
     assert stored_energy(law, gradient) == pytest.approx(solid_energy(law, solid(gradient)), rel=1e-12)
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("seed", range(4))
+def test_energy_of_a_solid_is_that_of_the_invariants(law, seed):
+    gradient = random_gradient(seed, 3)
+    assert stored_energy(law, gradient) == pytest.approx(solid_energy(law, gradient), rel=1e-12)
 
 
 @pytest.mark.parametrize("law", LAWS)

@@ -1,0 +1,179 @@
+"""Walls in space: boundary faces as arrays, with shape functions as polynomials in two coordinates.
+
+Everything of `ngcell.contact.walls` holds, with a face in place of an edge and two coordinates ``xi`` in the unit
+triangle or the unit square. The outward normal of a face is the cross product of its tangents times `side`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import ngsolve
+import numpy as np
+from numpy.typing import NDArray
+
+from ngcell.contact.walls import Walls, lobatto
+from ngcell.errors import GeometryError
+from ngcell.geometry.bodies import BodyMesh
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+_CORNERS = {
+    3: np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]),
+    4: np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]),
+}
+#: Volume over area of a regular tetrahedron, for each root of the area of a side.
+_TETRAHEDRON = np.sqrt(4 / np.sqrt(3)) * np.sqrt(2 / 3) / 3
+
+
+@dataclass(frozen=True, eq=False)
+class FaceBasis:
+    """Lagrange polynomials at equidistant nodes of the unit triangle or square, and their derivatives.
+
+    Attributes
+    ----------
+    order : int
+        Polynomial order, in each coordinate or, on triangles, in all.
+    corner_count : {3, 4}
+        Whether faces are triangles or quadrilaterals.
+    """
+
+    order: int
+    corner_count: int
+
+    @cached_property
+    def corners(self) -> Array:
+        """Corners of the unit face, anticlockwise, shape (corners, 2)."""
+        return _CORNERS[self.corner_count]
+
+    @property
+    def centre(self) -> Array:
+        """Its centre, shape (2,)."""
+        return np.asarray(self.corners.mean(0))
+
+    @cached_property
+    def _powers(self) -> Index:
+        index = np.array(list(np.ndindex(self.order + 1, self.order + 1)))
+        return index[index.sum(1) <= self.order] if self.corner_count == 3 else index
+
+    @cached_property
+    def nodes(self) -> Array:
+        """Nodes, shape (nodes, 2)."""
+        return self._powers / self.order
+
+    @cached_property
+    def corner_nodes(self) -> Index:
+        """Nodes at the corners, shape (corners,)."""
+        apart = np.abs(self.corners[:, None] - self.nodes).sum(2)
+        return np.asarray(apart.argmin(1))
+
+    @cached_property
+    def _to_monomials(self) -> Array:
+        return np.linalg.inv((self.nodes[:, None] ** self._powers).prod(2))
+
+    def values(self, xi: Array, derivative: tuple[int, int] = (0, 0)) -> Array:
+        """Return a partial derivative of all polynomials at `xi`, (*shape, 2); shape (*shape, nodes)."""
+        factors = []
+        for axis, degree in enumerate(derivative):
+            power = self._powers[:, axis]
+            factor = np.ones(len(power))
+            for step in range(degree):
+                factor = factor * (power - step)
+            factors.append(_powers_of(xi[..., axis], self.order)[..., np.maximum(power - degree, 0)] * factor)
+        return np.asarray((factors[0] * factors[1]) @ self._to_monomials)
+
+    @cached_property
+    def rule(self) -> tuple[Array, Array]:
+        """Points and weights of the quadrature on the unit face; corners and sides are among the points.
+
+        A square takes the tensor product of the rule on edges, a triangle that of three quadrilaterals that meet in its
+        centre, one point coarser.
+        """
+        if self.corner_count == 4:
+            at, share = lobatto(self.order + 2)
+            points = np.stack(np.meshgrid(at, at, indexing="ij"), axis=-1).reshape(-1, 2)
+            return points, np.outer(share, share).ravel()
+        at, share = lobatto(self.order + 1)
+        points, weights = [], []
+        for corner in range(3):
+            here, ahead, behind = (self.corners[(corner + step) % 3] for step in range(3))
+            quad = [here, (here + ahead) / 2, self.centre, (here + behind) / 2]
+            x, y = (axis.ravel() for axis in np.meshgrid(at, at, indexing="ij"))
+            shape = np.stack([(1 - x) * (1 - y), x * (1 - y), x * y, (1 - x) * y])
+            by_x = np.stack([y - 1, 1 - y, y, -y]).T @ quad
+            by_y = np.stack([x - 1, -x, x, 1 - x]).T @ quad
+            points.append(shape.T @ quad)
+            weights.append(np.outer(share, share).ravel() * (by_x[:, 0] * by_y[:, 1] - by_x[:, 1] * by_y[:, 0]))
+        return _merged(np.concatenate(points), np.concatenate(weights))
+
+
+def find_faces(bodies: BodyMesh, scalar_space: ngsolve.H1, rest: Array) -> Walls:
+    """Collect the walls of solid bodies; parameters as for `ngcell.contact.walls.find_walls`.
+
+    Raises
+    ------
+    GeometryError
+        If walls are of triangles and of quadrilaterals.
+    """
+    mesh, order = bodies.mesh, scalar_space.globalorder
+    elements = list(mesh.Boundaries(bodies.wall_names).Elements())
+    counts = {len(element.vertices) for element in elements} or {3}
+    if len(counts) > 1:
+        raise GeometryError("walls are of triangles and of quadrilaterals; allowed: one kind of faces")
+    basis = FaceBasis(order, counts.pop())
+    size = len(basis.nodes)
+    dofs = np.array([scalar_space.GetDofNrs(element) for element in elements], dtype=np.int64).reshape(-1, size)
+    nodal = np.array([_sampled_shapes(scalar_space, element, basis) for element in elements]).reshape(-1, size, size)
+    behind = np.array([mesh[element.faces[0]].elements[0].nr for element in elements], dtype=np.int64)
+    nodes = np.einsum("eij,dej->eid", nodal, rest[:, dofs])
+    stations, share = basis.rule
+    tangents = [basis.values(stations, derivative) @ nodes for derivative in ((1, 0), (0, 1))]
+    weights = share * np.linalg.norm(np.cross(*tangents), axis=2)
+    area, depth = weights.sum(1), np.zeros(len(elements))
+    volume = ngsolve.Integrate(ngsolve.CF(1), mesh, element_wise=True).NumPy()[behind]
+    inside = [mesh[ngsolve.ElementId(ngsolve.VOL, int(number))] for number in behind]
+    is_tetrahedron = np.array([len(element.vertices) == 4 for element in inside], dtype=bool)
+    depth = np.where(is_tetrahedron, _TETRAHEDRON * np.sqrt(area), volume / area)
+    centre = np.array([np.mean([mesh[vertex].point for vertex in element.vertices], axis=0) for element in inside])
+    walls = Walls(
+        body=bodies.body_of_element[behind],
+        dofs=dofs,
+        nodal=nodal,
+        side=np.ones(len(elements)),
+        basis=basis,
+        stations=stations,
+        weights=weights,
+        depth=depth,
+        rest=nodes,
+    )
+    outward = walls.middles(nodes) - centre.reshape(-1, 3)
+    walls.side[:] = np.sign(np.einsum("ed,ed->e", walls.chord_normals(nodes), outward))
+    return walls
+
+
+def loose_sides(walls: Walls) -> NDArray[np.bool_]:
+    """Return which sides of each face no other wall shares, shape (faces, corners); side k follows corner k."""
+    vertices = np.einsum("eki,ei->ek", walls.nodal[:, walls.basis.corner_nodes], walls.dofs).round().astype(np.int64)
+    ends = np.sort(np.stack([vertices, np.roll(vertices, -1, axis=1)], axis=-1), axis=-1)
+    _, number, count = np.unique(ends.reshape(-1, 2), axis=0, return_inverse=True, return_counts=True)
+    return np.asarray((count[number.ravel()] == 1).reshape(vertices.shape))
+
+
+def _sampled_shapes(space: ngsolve.H1, element: ngsolve.comp.Ngs_Element, basis: FaceBasis) -> Array:
+    shape = space.GetFE(ngsolve.ElementId(ngsolve.BND, element.nr)).CalcShape
+    return np.array([np.asarray(shape(*node)).ravel() for node in basis.nodes])
+
+
+def _powers_of(x: Array, most: int) -> Array:
+    powers = [np.ones_like(x)]
+    for _ in range(most):
+        powers.append(powers[-1] * x)
+    return np.stack(powers, axis=-1)
+
+
+def _merged(points: Array, weights: Array) -> tuple[Array, Array]:
+    """Return distinct points with the sums of their weights."""
+    _, first, number = np.unique(points.round(12), axis=0, return_index=True, return_inverse=True)
+    return points[first], np.bincount(number.ravel(), weights)

@@ -1,0 +1,129 @@
+"""Contact of solids: one energy with its forces and stiffness, on curved faces, at sides and at corners."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import pytest
+from netgen import occ
+
+from ngcell.contact.assembly import Assembly
+from ngcell.contact.penalty import PenaltyContact, penalty_stiffness
+from ngcell.contact.search import Partners
+from ngcell.contact.walls import Walls, find_walls
+from ngcell.geometry.shapes import mesh_shapes
+from ngcell.mechanics.bulk import BulkEnergy
+from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.space import DisplacementSpace
+from tests.tissues import dense_stiffness
+
+LAW = MooneyRivlinLaw(0.7, 0.3, 20.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """Body 0, the lower one, and body 1, the upper one."""
+
+    space: DisplacementSpace
+
+    @cached_property
+    def walls(self) -> Walls:
+        return find_walls(self.space.bodies, self.space.scalar, self.space.rest)
+
+    @cached_property
+    def problem(self) -> Assembly:
+        free = np.zeros((3, self.space.size), dtype=bool)
+        stiffness = penalty_stiffness(self.walls, np.full(2, LAW.plane_strain_modulus), 10.0)
+        contact = PenaltyContact(self.walls, stiffness, 0.4)
+        return Assembly(self.space, BulkEnergy(self.space, [LAW] * 2), free, contact=contact)
+
+    def moved(self, shift: tuple[float, float, float], amplitude: float, seed: int) -> np.ndarray:
+        """The upper body shifted, both bent at random, with bubbles on top."""
+        return self.bent(amplitude, seed) + (np.array(shift)[:, None] * self.upper).ravel()
+
+    @property
+    def upper(self) -> np.ndarray:
+        return (self.space.body_of_unknown == 1) * self.space.one
+
+    def bent(self, amplitude: float, seed: int) -> np.ndarray:
+        random = np.random.default_rng(seed)
+        x, y, z = self.space.rest
+        parts = (x, y, z, x * y, y * z, x * x - z)
+        terms = [part * (self.space.body_of_unknown == body) for body in (0, 1) for part in parts]
+        mix = random.standard_normal((3, len(terms))) / len(terms)
+        bubbles = 0.05 * random.standard_normal((3, self.space.size)) * (self.space.one == 0)
+        return amplitude * (mix @ (terms * self.space.one) + bubbles).ravel()
+
+
+def pair(lower: occ.Solid, upper: occ.Solid, order: int, size: float = 0.6) -> Pair:
+    bodies = mesh_shapes([lower, upper], ["lower", "upper"], order=order, size=size)
+    return Pair(DisplacementSpace(bodies, order))
+
+
+def block(low: tuple[float, float, float], high: tuple[float, float, float]) -> occ.Solid:
+    return occ.Box(low, high)
+
+
+def blocks(order: int) -> Pair:
+    """The upper block is smaller: its corners and sides press, and its faces meet others in between."""
+    return pair(block((0, 0, 0), (1, 1, 0.5)), block((0.2, 0.15, 0.5), (0.75, 0.8, 0.9)), order)
+
+
+def balls(order: int) -> Pair:
+    return pair(occ.Sphere((0, 0, 0), 0.5).solids[0], occ.Sphere((0.1, 0.05, 0.98), 0.5).solids[0], order)
+
+
+def straddling(order: int) -> Pair:
+    """The upper block reaches over a side and a corner of the lower one."""
+    return pair(block((0, 0, 0), (1, 1, 0.5)), block((0.6, 0.5, 0.5), (1.3, 1.4, 0.9)), order)
+
+
+@pytest.mark.parametrize(
+    ("make", "order", "depth"),
+    [(blocks, 1, 0.03), (blocks, 2, 0.03), (blocks, 3, -0.1), (balls, 2, 0.03), (straddling, 3, 0.03)],
+)
+def test_forces_and_tangent_are_derivatives_of_one_energy(make, order, depth):
+    bodies = make(order)
+    problem, at = bodies.problem, bodies.moved((0.01, 0.02, -depth), 0.03, 3)
+    state = problem.at(at)
+    gap, slopes, _ = state.contact.springs(problem.positions(at))
+    assert (gap > 0).all() == (depth < 0)
+    way = bodies.bent(1.0, 8)
+    step = min(1e-5, 0.5 * np.min(np.abs(gap) / np.abs(slopes @ way), initial=1.0))
+    after, before = problem.at(at + step * way), problem.at(at - step * way)
+    force = problem.gradient(state)
+    assert (after.energy - before.energy) / (2 * step) == pytest.approx(force @ way, rel=1e-6)
+    bent = dense_stiffness(problem, problem.linearise(state)) @ way
+    change = (problem.gradient(after) - problem.gradient(before)) / (2 * step)
+    np.testing.assert_allclose(change, bent, atol=2e-6 * np.abs(bent).max())
+
+
+@pytest.mark.parametrize(("make", "order"), [(blocks, 1), (balls, 2), (straddling, 2)])
+def test_gaps_are_distances_to_second_order(make, order):
+    """Partners found anew have the gap that the frozen ones foresee: at feet, on sides and at corners."""
+    bodies = make(order)
+    positions = bodies.problem.positions(bodies.moved((0.01, 0.02, 0.1), 0.05, 3))
+    way, step = bodies.bent(1.0, 8).reshape(3, -1), 1e-4
+    here, after, before = (bodies.problem.contact.pair(positions + size * way) for size in (0.0, step, -step))
+    kinds = [kind_of(found.kinematics.partners) for found in (here, after, before)]
+    keys, *places = np.intersect1d(here.keys, after.keys, return_indices=True)
+    _, mine, last = np.intersect1d(keys, before.keys, return_indices=True)
+    first, second = (place[mine] for place in places)
+    same = (kinds[0][first] == kinds[1][second]) & (kinds[0][first] == kinds[2][last])
+    first, second, last = first[same], second[same], last[same]
+    gap, slopes = here.kinematics.slopes(positions)
+    moved = np.concatenate(here.kinematics.vectors(way), axis=1)[first]
+    ahead, back = after.gaps(positions + step * way)[second], before.gaps(positions - step * way)[last]
+    rise = np.einsum("ni,ni->n", slopes[first], moved)
+    bend = np.einsum("ni,nij,nj->n", moved, here.kinematics.curvatures(positions, first), moved)
+    assert set(kinds[0][first]) >= ({0, 1} if make is balls else {0, 1, 2})
+    np.testing.assert_allclose((ahead - back) / (2 * step), rise, atol=1e-5 * np.abs(rise).max())
+    np.testing.assert_allclose((ahead - 2 * gap[first] + back) / step**2, bend, atol=1e-4 * np.abs(bend).max())
+
+
+def kind_of(partners: Partners) -> np.ndarray:
+    """0 at feet on faces, 1 at feet on sides, 2 at corners."""
+    slides = (partners.glide != 0).any(1)
+    return np.where(partners.at_end, np.where(slides, 1, 2), 0)
