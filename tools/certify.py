@@ -4,7 +4,7 @@
 
 Each row of `tools/results/certified.csv` is a run of `ngcell solve` in a process of its own, with its last step and
 the worst of the checks that decide; `certified.md` shows the rows. Runs that have a row are not repeated, runs that
-were stopped go on. Levels are those of the curves: eight even ones with cohesion, `tools/figures.py` has the others.
+were stopped go on. Levels are those of the curves, even ones with cohesion; `tools/figures.py` has the others.
 """
 
 from __future__ import annotations
@@ -47,10 +47,11 @@ def listed() -> list[tuple[str, str, tuple[str, ...]]]:
 
 
 def run_behind(case: str, settings: str, strategy: str) -> Run:
-    """Return the run; with cohesion it has the levels of the case."""
+    """Return the run; with cohesion it has all levels of the case, or each second where they do not hang together."""
     if case != "shear-cohesive":
         return run_of("5x7", case, settings, strategy)
-    return Run(case, (*settings.split("; "), f"strategy.kind={strategy}"))
+    levels = ("load.levels=4",) if strategy == "sddp" else ()
+    return Run(case, (*settings.split("; "), f"strategy.kind={strategy}", *levels))
 
 
 def row_of(run: Run, outcome: str) -> dict[str, object]:

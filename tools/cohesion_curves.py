@@ -1,6 +1,6 @@
 """How cohesion delays debonding: gaps, parted pairs and plate force of the sheared 5x7 tissue at three strengths.
 
-    python tools/cohesion_curves.py [--strategy single-step] [--strategy sddp] [--draw]
+    python tools/cohesion_curves.py
 
 Strength 0 is unilateral contact. A row an accepted step goes to `tools/results/cohesion-curves.csv` when a run has
 ended; runs that are there are not repeated, and those of `tools/certify.py` are taken over. The figure is
@@ -13,7 +13,8 @@ import csv
 from pathlib import Path
 
 import click
-from certify import STRENGTHS, bonded, run_behind
+from certify import BOTH, STRENGTHS, bonded, run_behind
+from matplotlib.figure import Figure
 from runs import Run
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -23,6 +24,7 @@ MEASURED = (
     "dissipation", "bonded_share", "iterations", "certified",
 )  # fmt: skip
 COLUMNS = ("strategy", "strength", *MEASURED)
+RUNS = [("sddp", 0.0), *((strategy, strength) for strategy in BOTH for strength in STRENGTHS)]
 COLOURS = ("#8a8f98", "#4a7a3a", "#1f5f8b", "#b3361e")
 
 
@@ -31,7 +33,7 @@ def walked(strategy: str, strength: float) -> list[dict[str, object]]:
     if strength:
         run = run_behind("shear-cohesive", bonded(strength), strategy)
     else:
-        run = Run("shear-empty", ("mesh.size=0.34", f"strategy.kind={strategy}"))
+        run = Run("shear-empty", ("mesh.size=0.34", f"strategy.kind={strategy}", "load.levels=4"))
     outcome = run.solve(timeout=7200)
     click.echo(f"{strategy}, strength {strength:g}: {outcome}")
     key = {"strategy": strategy, "strength": strength}
@@ -45,36 +47,28 @@ def read_rows() -> list[dict[str, str]]:
 
 def draw() -> None:
     """Draw plate force, mean gap and parted pairs over the displacement, a colour a strength; markers are SDDP."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(10, 3.6), layout="constrained")
-    rows = read_rows()
-    for axes, column, name in zip(
-        figure.subplots(1, 3),
-        ("plate_force_x", "mean_gap", "parted_pairs"),
-        ("plate force", "mean gap", "parted wall pairs"),
-        strict=True,
-    ):
-        for strength, colour in zip((0.0, *STRENGTHS), COLOURS, strict=True):
-            for strategy, style in (("single-step", "-"), ("sddp", "o")):
-                mine = [r for r in rows if float(r["strength"]) == strength and r["strategy"] == strategy]
-                x = [0.0, *(float(row["plate_displacement"]) for row in mine)]
-                y = [0.0, *(float(row[column]) for row in mine)]
-                label = (f"strength {strength:g}" if strength else "no cohesion") if style == "-" else None
-                axes.plot(x, y, style, color=colour, label=label, markersize=4, fillstyle="none", linewidth=1.6)
-        axes.set(xlabel="plate displacement", title=name)
+    figure, rows = Figure(figsize=(10, 3.6), layout="constrained"), read_rows()
+    names = {"plate_force_x": "plate force", "mean_gap": "mean gap", "parted_pairs": "parted wall pairs"}
+    for axes, (column, name) in zip(figure.subplots(1, 3), names.items(), strict=True):
+        for strategy, strength in RUNS:
+            mine = [row for row in rows if (row["strategy"], float(row["strength"])) == (strategy, strength)]
+            x = [0.0, *(float(row["plate_displacement"]) for row in mine)]
+            y = [0.0, *(float(row[column]) for row in mine)]
+            style = {"single-step": "-", "sddp": "o"}[strategy] if strength else "o:"
+            label = None if style == "o" else f"strength {strength:g}" if strength else "no cohesion"
+            colour = COLOURS[[0.0, *STRENGTHS].index(strength)]
+            axes.plot(x, y, style, color=colour, label=label, markersize=4, fillstyle="none", linewidth=1.6)
+        axes.set(xlabel="plate displacement", title=name, ylim=(0, None))
+        axes.spines[["top", "right"]].set_visible(False)
     figure.axes[0].legend(fontsize=8, frameon=False)
     figure.savefig(FIGURE, dpi=130)
 
 
 @click.command(help=__doc__)
-@click.option("--strategy", "strategies", multiple=True, default=("single-step", "sddp"), show_default=True)
-@click.option("--draw", "only_draw", is_flag=True, help="Draw what is there, and run nothing.")
-def main(strategies: tuple[str, ...], only_draw: bool) -> None:
+def main() -> None:
     """Run what is missing, and draw."""
-    TABLE.parent.mkdir(exist_ok=True)
-    for strategy, strength in () if only_draw else [(s, g) for s in strategies for g in (0.0, *STRENGTHS)]:
-        if any(r["strategy"] == strategy and float(r["strength"]) == strength for r in read_rows()):
+    for strategy, strength in RUNS:
+        if any((row["strategy"], float(row["strength"])) == (strategy, strength) for row in read_rows()):
             continue
         rows, is_new = walked(strategy, strength), not TABLE.exists()
         with TABLE.open("a", newline="") as file:
