@@ -9,7 +9,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.faces import loose_sides
 from ngcell.contact.walls import Walls
 
 Array = NDArray[np.float64]
@@ -40,7 +39,8 @@ def nearest_candidates(walls: Walls, nodes: Array, group: Index, other: Index, p
     """
     low, high = nodes.min(1), nodes.max(1)
     # Polynomials leave the box of their nodes by little.
-    spare = 0.1 * np.linalg.norm(high - low, axis=1) if walls.basis.order > 1 else np.zeros(len(nodes))
+    reaching = np.abs(walls.domains - walls.basis.corners).max((1, 2)) + (0.1 if walls.basis.order > 1 else 0.0)
+    spare = reaching * np.linalg.norm(high - low, axis=1)
     outside = np.maximum(np.maximum(low[other] - point, point - high[other]), 0)
     least = np.maximum(np.linalg.norm(outside, axis=1) - spare[other], 0)
     near = np.flatnonzero(least < reach)
@@ -56,14 +56,24 @@ def nearest_candidates(walls: Walls, nodes: Array, group: Index, other: Index, p
     return near
 
 
-def closest_on_faces(walls: Walls, nodes: Array, point: Array) -> tuple[Array, Array]:
-    """Return coordinates, (n, 2), and distance of the closest point on curved faces; `nodes` has one face a point."""
-    basis = walls.basis
+def closest_on_faces(walls: Walls, nodes: Array, face: Index, point: Array) -> tuple[Array, Array]:
+    """Return coordinates, (n, 2), and distance of the closest points on curved faces.
+
+    Parameters
+    ----------
+    nodes : array of float, shape (n, nodes, 3)
+        Deformed nodes of the face of each point [length].
+    face : array of int, shape (n,)
+        Number of this face.
+    point : array of float, shape (n, 3)
+        The points [length].
+    """
+    basis, corners = walls.basis, walls.domains[face]
     lattice = np.linalg.norm(nodes - point[:, None], axis=2).argmin(1)
     xi = basis.nodes[lattice]
     moving = np.arange(len(point))
     for _ in range(_STEPS if len(point) else 0):
-        after = _improved(walls, nodes[moving], point[moving], xi[moving])
+        after = _improved(walls, nodes[moving], corners[moving], point[moving], xi[moving])
         change = np.abs(after - xi[moving]).max(1)
         xi[moving] = after
         moving = moving[change > _SETTLED]
@@ -102,10 +112,10 @@ def classified(walls: Walls, nodes: Array, face: Index, xi: Array, point: Array)
     height = np.einsum("pd,pd->p", away, normal)
     aside = np.linalg.norm(away - height[:, None] * normal, axis=1)
     size = np.sqrt(np.linalg.norm(np.cross(one, two), axis=1))
-    on_side, along = _sides(basis.corners, xi)
+    on_side, along = _sides(walls.domains[face], xi), np.roll(basis.corners, -1, axis=0) - basis.corners
     at_end = (aside > _TOLERANCE * size) & on_side.any(1)
     glide, is_loose = np.zeros_like(xi), np.zeros(len(face), dtype=bool)
-    loose = loose_sides(walls)[face]
+    loose = walls.loose_sides[face]
     for side, direction in enumerate(along):
         tangent = one * direction[0] + two * direction[1]
         slope = np.einsum("pd,pd->p", away, tangent) / np.einsum("pd,pd->p", tangent, tangent)
@@ -116,7 +126,7 @@ def classified(walls: Walls, nodes: Array, face: Index, xi: Array, point: Array)
     return at_end, glide, np.where(height < 0, -1.0, 1.0), slid_past
 
 
-def _improved(walls: Walls, nodes: Array, point: Array, xi: Array) -> Array:
+def _improved(walls: Walls, nodes: Array, corners: Array, point: Array, xi: Array) -> Array:
     """Return the minimum of the quadratic model of half of the squared distance over the unit face."""
     value, one, two, bend_one, mixed, bend_two = (
         np.einsum("pi,pid->pd", walls.basis.values(xi, degree), nodes)
@@ -130,28 +140,31 @@ def _improved(walls: Walls, nodes: Array, point: Array, xi: Array) -> Array:
     # Far from the face, or beyond a centre of curvature, the model is that of a plane.
     convex = (hesse[:, 0, 0] > 0.1 * metric[:, 0, 0]) & (np.linalg.det(hesse) > 0.1 * np.linalg.det(metric))
     hesse = np.where(convex[:, None, None], hesse, metric)
-    return _smallest_inside(walls.basis.corners, hesse, gradient - np.einsum("pab,pb->pa", hesse, xi))
+    return _smallest_inside(corners, hesse, gradient - np.einsum("pab,pb->pa", hesse, xi))
 
 
 def _smallest_inside(corners: Array, hesse: Array, gradient: Array) -> Array:
-    """Return where ``x hesse x / 2 + gradient x`` is smallest in a convex polygon, shape (n, 2)."""
+    """Return where ``x hesse x / 2 + gradient x`` is smallest in convex polygons, shape (n, 2)."""
     best = -np.linalg.solve(hesse, gradient[..., None])[..., 0]
-    ahead = np.roll(corners, -1, axis=0) - corners
-    left = ahead[:, 0] * (best[:, None, 1] - corners[:, 1]) - ahead[:, 1] * (best[:, None, 0] - corners[:, 0])
-    out = np.flatnonzero((left < 0).any(1))
+    out = np.flatnonzero((_heights(corners, best) < 0).any(1))
     if not len(out):
         return best
-    hesse, gradient = hesse[out], gradient[out]
-    slope = np.einsum("sa,pab,sb->ps", corners, hesse, ahead) + gradient @ ahead.T
-    share = np.clip(-slope / np.einsum("sa,pab,sb->ps", ahead, hesse, ahead), 0, 1)
+    corners, hesse, gradient = corners[out], hesse[out], gradient[out]
+    ahead = np.roll(corners, -1, axis=1) - corners
+    slope = np.einsum("psa,pab,psb->ps", corners, hesse, ahead) + np.einsum("pa,psa->ps", gradient, ahead)
+    share = np.clip(-slope / np.einsum("psa,pab,psb->ps", ahead, hesse, ahead), 0, 1)
     trial = corners + share[..., None] * ahead
     value = np.einsum("psa,pab,psb->ps", trial, hesse, trial) / 2 + np.einsum("psa,pa->ps", trial, gradient)
     best[out] = np.take_along_axis(trial, value.argmin(1)[:, None, None], axis=1)[:, 0]
     return best
 
 
-def _sides(corners: Array, xi: Array) -> tuple[NDArray[np.bool_], Array]:
-    """Return which sides of the unit face points lie on, shape (n, sides), and the sides' directions."""
-    ahead = np.roll(corners, -1, axis=0) - corners
-    left = ahead[:, 0] * (xi[:, None, 1] - corners[:, 1]) - ahead[:, 1] * (xi[:, None, 0] - corners[:, 0])
-    return left < _TOLERANCE, ahead
+def _sides(corners: Array, xi: Array) -> NDArray[np.bool_]:
+    """Return which sides of polygons points lie on, shape (n, sides)."""
+    return np.asarray(_heights(corners, xi) < _TOLERANCE)
+
+
+def _heights(corners: Array, xi: Array) -> Array:
+    """Return how far points lie inside of the sides of polygons, times their length, shape (n, sides)."""
+    ahead, away = np.roll(corners, -1, axis=1) - corners, xi[:, None] - corners
+    return np.asarray(ahead[..., 0] * away[..., 1] - ahead[..., 1] * away[..., 0])

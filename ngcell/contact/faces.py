@@ -24,6 +24,8 @@ _CORNERS = {
     3: np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]),
     4: np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]),
 }
+#: Share of a face by which it is continued where walls end.
+_CONTINUED = 0.25
 #: Volume over area of a regular tetrahedron, for each root of the area of a side.
 _TETRAHEDRON = np.sqrt(4 / np.sqrt(3)) * np.sqrt(2 / 3) / 3
 
@@ -159,6 +161,27 @@ def loose_sides(walls: Walls) -> NDArray[np.bool_]:
     ends = np.sort(np.stack([vertices, np.roll(vertices, -1, axis=1)], axis=-1), axis=-1)
     _, number, count = np.unique(ends.reshape(-1, 2), axis=0, return_inverse=True, return_counts=True)
     return np.asarray((count[number.ravel()] == 1).reshape(vertices.shape))
+
+
+def domains(walls: Walls) -> Array:
+    """Return the corners of the coordinates that are searched on each face, shape (faces, corners, 2).
+
+    They are those of the unit face, but where walls end, as at the ends of prisms, the face is continued by a share of
+    itself: bodies whose ends do not quite match press on each other up to there, and a point that slides past an end by
+    little neither drops out of contact at once nor changes the direction that it is pushed in.
+    """
+    corners = walls.basis.corners
+    count = len(corners)
+    ahead = np.roll(corners, -1, axis=0) - corners
+    outward = np.column_stack([ahead[:, 1], -ahead[:, 0]]) / np.linalg.norm(ahead, axis=1)[:, None]
+    level = np.einsum("cd,cd->c", outward, corners)
+    choices = np.array(list(np.ndindex(*(2,) * count)))
+    moved = level + _CONTINUED * choices
+    # Each corner is where the sides before and after it meet.
+    pairs = np.stack([np.roll(outward, 1, axis=0), outward], axis=1)
+    levels = np.stack([np.roll(moved, 1, axis=1), moved], axis=2)
+    table = np.linalg.solve(pairs[None], levels[..., None])[..., 0]
+    return np.asarray(table[walls.loose_sides @ (2 ** np.arange(count)[::-1])])
 
 
 def _sampled_shapes(space: ngsolve.H1, element: ngsolve.comp.Ngs_Element, basis: FaceBasis) -> Array:

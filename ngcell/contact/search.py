@@ -134,7 +134,7 @@ class PartnerSearch:
         place = np.einsum("pi,pid->pd", self._values, nodes[self._points.edge])[number]
         keep = _best(walls, nodes, number, other, place, self.reach)
         number, other, place = number[keep], other[keep], place[keep]
-        xi, distance = closest_on_edges(walls, nodes[other], place)
+        xi, distance = _closest(walls, nodes, other, place)
         group = number * (walls.body.max() + 1) + walls.body[other]
         best = _smallest_of_group(group, _joints_apart(walls, nodes, other, place, distance))
         best = best[distance[best] <= self.reach]
@@ -188,7 +188,7 @@ def nearest_on_body(walls: Walls, nodes: Array, point: Array, body: Index) -> Ar
     other = order[first[body[row]] + within]
     keep = _best(walls, nodes, row, other, point[row], np.inf)
     row, other = row[keep], other[keep]
-    xi, distance = closest_on_edges(walls, nodes[other], point[row])
+    xi, distance = _closest(walls, nodes, other, point[row])
     best = _smallest_of_group(row, _joints_apart(walls, nodes, other, point[row], distance))
     nowhere = np.zeros(len(point))
     points = WallPoints(np.zeros(len(point), dtype=np.int64), np.zeros((len(point), *xi.shape[1:])), nowhere)
@@ -224,12 +224,17 @@ def _best_chords(group: Index, body: Index, point: Array, nodes: Array, reach: f
     return near[distance[near] - bulge[near] <= bound[member]]
 
 
+def _closest(walls: Walls, nodes: Array, other: Index, point: Array) -> tuple[Array, Array]:
+    """Return coordinate and distance of the closest point on the edge `other` of each point."""
+    if walls.dimension == 2:
+        return closest_on_edges(walls, nodes[other], point)
+    from ngcell.contact.closest import closest_on_faces
+
+    return closest_on_faces(walls, nodes[other], other, point)
+
+
 def closest_on_edges(walls: Walls, nodes: Array, point: Array) -> tuple[Array, Array]:
     """Return coordinate and distance of the closest point on curved edges; `nodes` has one edge a point."""
-    if walls.dimension == 3:
-        from ngcell.contact.closest import closest_on_faces
-
-        return closest_on_faces(walls, nodes, point)
     chord = nodes[:, -1] - nodes[:, 0]
     xi = np.einsum("pd,pd->p", point - nodes[:, 0], chord) / np.einsum("pd,pd->p", chord, chord)
     xi = np.clip(xi, 0, 1)

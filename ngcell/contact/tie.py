@@ -46,28 +46,39 @@ class Tie:
 
 def coincident_edges(walls: Walls) -> Index:
     """Return the pairs of edges of different bodies that coincide in the reference state, shape (pairs, 2)."""
-    middle = walls.basis.values(np.array([0.5]))[0] @ walls.rest
+    middle = walls.basis.values(walls.basis.centre[None])[0] @ walls.rest
     length = np.linalg.norm(walls.rest[:, -1] - walls.rest[:, 0], axis=1)
     one, two = near_pairs(middle, COINCIDENCE * length.min())
-    apart = np.linalg.norm(walls.rest[one] - walls.rest[two][:, ::-1], axis=2).max(1)
+    _, apart = _matched(walls, one, two)
     same = (walls.body[one] != walls.body[two]) & (apart < COINCIDENCE * length[one])
     return np.column_stack([one[same], two[same]])
+
+
+def _matched(walls: Walls, one: Index, two: Index) -> tuple[Index, Array]:
+    """Return the node of `two` at each node of `one`, (pairs, nodes), and the largest distance of such nodes."""
+    if walls.dimension == 2:
+        nodes = np.tile(np.arange(walls.basis.order, -1, -1), (len(one), 1))
+    else:
+        nodes = np.linalg.norm(walls.rest[one][:, :, None] - walls.rest[two][:, None], axis=3).argmin(2)
+    there = np.take_along_axis(walls.rest[two], nodes[:, :, None], axis=1)
+    return nodes, np.linalg.norm(walls.rest[one] - there, axis=2).max(1)
 
 
 def tie_walls(walls: Walls, size: int) -> Tie:
     """Tie all coincident edges; `size` is the number of scalar unknowns."""
     one, two = coincident_edges(walls).T
     # Nodal values run in opposite directions along the two edges: nodal[one] u = reverse(nodal[two] u').
-    relation = np.linalg.solve(walls.nodal[two][:, ::-1], walls.nodal[one])
+    nodes, _ = _matched(walls, one, two)
+    relation = np.linalg.solve(np.take_along_axis(walls.nodal[two], nodes[:, :, None], axis=1), walls.nodal[one])
     pair, mine, theirs = np.nonzero(np.abs(relation.transpose(0, 2, 1)) > 0.5)
     row, column = walls.dofs[one][pair, mine], walls.dofs[two][pair, theirs]
     sign = np.sign(relation[pair, theirs, mine])
-    # Signs only occur on bubbles, which belong to one edge each: their chains have length one.
     component = components(size, row, column)
     master = np.full(component.max() + 1, size)
     np.minimum.at(master, component, np.arange(size))
     master = master[component]
-    signs = np.ones(size)
-    signs[np.where(master[column] == column, row, column)] = sign
-    signs[master == np.arange(size)] = 1
-    return Tie(master, signs)
+    # Each unknown stands twice, for +u and for -u; whichever of them hangs together with its master tells the sign.
+    opposite = np.where(sign > 0, 0, size)
+    links = np.concatenate([row, row + size]), np.concatenate([column + opposite, column + (size - opposite)])
+    signed = components(2 * size, *links)
+    return Tie(master, np.where(signed[:size] == signed[master], 1.0, -1.0))

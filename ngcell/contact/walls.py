@@ -209,6 +209,20 @@ class Walls:
             normal = np.cross(corner[2] - corner[0], corner[-1] - corner[1]) * self.side[:, None]
         return np.asarray(normal / np.linalg.norm(normal, axis=1)[:, None])
 
+    @cached_property
+    def loose_sides(self) -> NDArray[np.bool_]:
+        """In space: which sides of each face no other wall shares, shape (faces, corners)."""
+        from ngcell.contact.faces import loose_sides
+
+        return loose_sides(self)
+
+    @cached_property
+    def domains(self) -> Array:
+        """In space: corners of the polygon of coordinates of each face, shape (faces, corners, 2)."""
+        from ngcell.contact.faces import domains
+
+        return domains(self)
+
     def stretch(self, nodes: Array, xi: Array) -> Array:
         """Return the length of the tangent, in space the area between both, at points `xi` of all edges."""
         if self.dimension == 2:

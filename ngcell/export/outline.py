@@ -45,6 +45,19 @@ SHAPES = {
 """Planar VTK cell types: triangle, quad, and their quadratic and biquadratic forms."""
 
 
+_HEXAHEDRON, _UPPER_END = 29, (4, 5, 6, 7, 12, 13, 14, 15, 25)
+
+
+def planar_view(grid: Grid) -> Grid:
+    """Return a planar grid as it is; of prisms, of triquadratic hexahedra, their upper ends as seen from above."""
+    if grid.cell_type != _HEXAHEDRON:
+        return grid
+    top = grid.points[grid.cells[:, _UPPER_END], 2]
+    seen = (top >= grid.points[:, 2].max() - 1e-9 * np.ptp(grid.points[:, 2])).all(1)
+    cell_data = {name: values[seen] for name, values in grid.cell_data.items()}
+    return Grid(grid.points, grid.cells[seen][:, _UPPER_END], 28, grid.point_data, cell_data)
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Loop:
     """A closed line of points around a tissue cell (outer) or around one of its holes."""

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.export.atomic import replace_file
-from ngcell.export.outline import Loop, cell_loops, triangulate
+from ngcell.export.outline import Loop, cell_loops, planar_view, triangulate
 from ngcell.export.series import NOT_CERTIFIED
 from ngcell.results.snapshot import Grid, Snapshot
 
@@ -43,7 +43,7 @@ def draw_tissue(snapshot: Snapshot, path: Path, *, title: str, certified: bool) 
     Parameters
     ----------
     snapshot : Snapshot
-        A planar one.
+        A planar one, or one of prisms, which are seen from above.
     path : Path
         The PNG file.
     title : str
@@ -61,7 +61,7 @@ def draw_tissue(snapshot: Snapshot, path: Path, *, title: str, certified: bool) 
     OutputError
         If the cells are not planar or the file cannot be written.
     """
-    bulk = snapshot.bulk
+    bulk = planar_view(snapshot.bulk)
     deformed = (bulk.points + bulk.point_data["displacement"])[:, :2]
     loops = cell_loops(bulk)
     figure, axes = _canvas(np.vstack([deformed, bulk.points[:, :2]]))

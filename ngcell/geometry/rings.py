@@ -9,6 +9,9 @@ which lie inside the true arc by less than one percent of the radius.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Any
+
 import ngsolve
 import numpy as np
 from netgen.meshing import Mesh
@@ -61,7 +64,52 @@ def _round_corners(sharp: Array, lattice: Lattice, radius: float) -> Array:
     return np.where(cut_off[:, None], on_arc, sharp)
 
 
-def ring_mesh(
+@dataclass(frozen=True, eq=False)
+class Section:
+    """The plane through all cells: points, quadrilaterals and edges, each of a region.
+
+    Attributes
+    ----------
+    points : array of float, shape (points, 2)
+        Nodes, cell by cell [length].
+    regions : list of (str, array of int, shape (n, 4))
+        Material regions: each cell, and what fills lumens.
+    edges : list of (str, array of int, shape (n, 2))
+        Boundary regions: lumens and walls.
+    wall_names : str
+        Regular expression of the walls.
+    lattice : Lattice
+        Where the cells sit.
+    wall : float
+        Thickness of the walls [length].
+    """
+
+    points: Array
+    regions: list[tuple[str, NDArray[np.int64]]]
+    edges: list[tuple[str, NDArray[np.int64]]]
+    wall_names: str
+    lattice: Lattice
+    wall: float
+
+    def body_mesh(self, mesh: Mesh, copies: int = 1) -> BodyMesh:
+        """Return the bodies of a mesh that has `copies` elements for each quadrilateral, region after region."""
+        cells = len(self.lattice.centres)
+        counts = [copies * len(quads) for _, quads in self.regions]
+        body = np.repeat(np.arange(cells), counts[:cells])
+        filled = len(self.regions) > cells
+        filling = np.repeat(np.arange(cells), counts[-1] // cells) if filled else np.zeros(0, dtype=np.int64)
+        return BodyMesh(
+            mesh=ngsolve.Mesh(mesh),
+            body_of_element=np.concatenate([body, filling]),
+            body_names=tuple(f"cell{cell}" for cell in range(cells)),
+            wall_names=self.wall_names,
+            length=self.lattice.side,
+            thickness=self.wall,
+            is_filling=np.repeat([False, True], [len(body), len(filling)]) if filled else None,
+        )
+
+
+def ring_section(
     lattice: Lattice,
     *,
     wall: float,
@@ -71,8 +119,8 @@ def ring_mesh(
     supports: dict[str, NDArray[np.bool_]],
     lumens: dict[str, NDArray[np.int64]] | None = None,
     filled: bool = False,
-) -> BodyMesh:
-    """Return the mesh of all cells.
+) -> Section:
+    """Return the plane through all cells.
 
     Parameters
     ----------
@@ -94,41 +142,46 @@ def ring_mesh(
     cells, nodes = len(lattice.centres), ring.shape[1]
     layer = np.arange((layers + 1) * nodes).reshape(layers + 1, nodes)
     quads, cell_points = _ring_quads(layer), ring.reshape(-1, 2)
-    filling = np.zeros((0, 4), dtype=np.int64)
     if filled:
         inside, filling = lumen_quads(ring[-1])
         filling = filling + layer[-1, 0]
         cell_points = np.concatenate([cell_points, inside])
-    points = (lattice.centres[:, None] + cell_points).reshape(-1, 2)
     first_node = len(cell_points) * np.arange(cells)
-    mesh = Mesh()
-    mesh.dim = 2
-    mesh.AddPoints(np.ascontiguousarray(points))
-    for cell, first in enumerate(first_node):
-        region = mesh.AddRegion(f"cell{cell}", dim=2)
-        mesh.AddElements(dim=2, index=region, data=_int32(quads + first), base=0)
+    regions = [(f"cell{cell}", quads + first) for cell, first in enumerate(first_node)]
     if filled:
-        region = mesh.AddRegion(FILLING, dim=2)
-        everywhere = (filling + first_node[:, None, None]).reshape(-1, 4)
-        mesh.AddElements(dim=2, index=region, data=_int32(everywhere), base=0)
+        regions.append((FILLING, (filling + first_node[:, None, None]).reshape(-1, 4)))
     outer = np.stack([layer[0], np.roll(layer[0], -1)], axis=-1).reshape(WALLS, -1, 2)
     inner = np.stack([np.roll(layer[-1], -1), layer[-1]], axis=-1)
-    for name, member in ({} if filled else lumens or {LUMEN: np.arange(cells)}).items():
-        _add_edges(mesh, name, first_node[member, None, None] + inner)
+    bounds = [
+        (name, first_node[member, None, None] + inner)
+        for name, member in ({} if filled else lumens or {LUMEN: np.arange(cells)}).items()
+    ]
     unsupported = np.ones((cells, WALLS), dtype=bool)
-    for name, member in supports.items():
+    for name, member in [*supports.items(), ("wall", unsupported)]:
+        cell, side = np.nonzero(member)
+        bounds.append((name, outer[side] + first_node[cell][:, None, None]))
         unsupported &= ~member
-        _add_walls(mesh, name, member, outer, first_node)
-    _add_walls(mesh, "wall", unsupported, outer, first_node)
-    return BodyMesh(
-        mesh=ngsolve.Mesh(mesh),
-        body_of_element=np.concatenate([np.repeat(np.arange(cells), len(part)) for part in (quads, filling)]),
-        body_names=tuple(f"cell{cell}" for cell in range(cells)),
+    return Section(
+        points=(lattice.centres[:, None] + cell_points).reshape(-1, 2),
+        regions=regions,
+        edges=[(name, numbers.reshape(-1, 2)) for name, numbers in bounds if numbers.size],
         wall_names="|".join(["wall", *supports]),
-        length=lattice.side,
-        thickness=wall,
-        is_filling=np.repeat([False, True], [cells * len(quads), cells * len(filling)]) if filled else None,
+        lattice=lattice,
+        wall=wall,
     )
+
+
+def ring_mesh(lattice: Lattice, **choices: Any) -> BodyMesh:
+    """Return the mesh of all cells in the plane; parameters as for `ring_section`."""
+    section = ring_section(lattice, **choices)
+    mesh = Mesh()
+    mesh.dim = 2
+    mesh.AddPoints(np.ascontiguousarray(section.points))
+    for dimension, parts in ((2, section.regions), (1, section.edges)):
+        for name, numbers in parts:
+            region = mesh.AddRegion(name, dim=dimension)
+            mesh.AddElements(dim=dimension, index=region, data=int32(numbers), base=0)
+    return section.body_mesh(mesh)
 
 
 def along_walls(mesh: ngsolve.Mesh) -> Array:
@@ -149,16 +202,6 @@ def _ring_quads(layer: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.stack(corners, axis=-1).reshape(-1, 4)
 
 
-def _add_walls(mesh: Mesh, name: str, member: NDArray, outer: NDArray, first_node: NDArray) -> None:
-    cell, wall = np.nonzero(member)
-    _add_edges(mesh, name, outer[wall] + first_node[cell][:, None, None])
-
-
-def _add_edges(mesh: Mesh, name: str, edges: NDArray) -> None:
-    if edges.size:
-        region = mesh.AddRegion(name, dim=1)
-        mesh.AddElements(dim=1, index=region, data=_int32(edges.reshape(-1, 2)), base=0)
-
-
-def _int32(numbers: NDArray) -> NDArray[np.int32]:
+def int32(numbers: NDArray) -> NDArray[np.int32]:
+    """Return numbers as Netgen takes them."""
     return np.ascontiguousarray(numbers, dtype=np.int32)

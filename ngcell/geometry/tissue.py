@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from math import ceil
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.lattice import Lattice, hexagonal_lattice
-from ngcell.geometry.rings import ring_mesh
+from ngcell.geometry.rings import ring_mesh, ring_section
 from ngcell.scene import Frame, MeshChoice, Plates, Tissue
 
 #: Names of the supported regions.
 LOWER_PLATE, UPPER_PLATE, FRAME = "lower-plate", "upper-plate", "frame"
+#: Regular expression of the ends of prisms.
+ENDS = "front|back"
 
 #: Default edges: at most this many wall thicknesses long, and at least this many to a side.
 _SLENDERNESS, _FEWEST_EDGES = 5.0, 2
@@ -33,16 +36,21 @@ def tissue_mesh(
         tissue.rows, tissue.cols, side=tissue.side, pointy=tissue.orientation == "pointy"
     )
     edges, layers = mesh_density(tissue, choice)
-    return ring_mesh(
-        lattice,
-        wall=tissue.wall,
-        radius=tissue.corner_radius,
-        edges=edges,
-        layers=layers,
-        supports=supported_walls(lattice, load),
-        lumens=lumens,
-        filled=filled,
-    )
+    choices: dict[str, Any] = {
+        "wall": tissue.wall,
+        "radius": tissue.corner_radius,
+        "edges": edges,
+        "layers": layers,
+        "supports": supported_walls(lattice, load),
+        "lumens": lumens,
+        "filled": filled,
+    }
+    if tissue.height is None:
+        return ring_mesh(lattice, **choices)
+    from ngcell.geometry.prisms import prism_mesh
+
+    slices = choice.slices or max(1, ceil(tissue.height / tissue.side * edges - 1e-9))
+    return prism_mesh(ring_section(lattice, **choices), height=tissue.height, slices=slices)
 
 
 def mesh_density(tissue: Tissue, choice: MeshChoice) -> tuple[int, int]:

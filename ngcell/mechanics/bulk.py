@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.geometry.bodies import FILLING
-from ngcell.mechanics.filling import reduced_rule
+from ngcell.mechanics.filling import reduced_rules
 from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
 from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
@@ -67,7 +67,7 @@ class BulkEnergy:
             self._form += ngsolve.Variation(energy.Compile() * ngsolve.dx(definedon=region))
         if filling is not None:
             region = space.bodies.mesh.Materials(FILLING)
-            reduced = ngsolve.dx(definedon=region, intrules={ngsolve.ET.QUAD: reduced_rule(space)})
+            reduced = ngsolve.dx(definedon=region, intrules=reduced_rules(space))
             isochoric, volumetric = (part.Compile() for part in filling.energy_parts(gradient))
             self._form += ngsolve.Variation(isochoric * ngsolve.dx(definedon=region))
             self._form += ngsolve.Variation(volumetric * reduced)

@@ -53,9 +53,9 @@ def filling_pressures(space: DisplacementSpace, law: MooneyRivlinLaw, displaceme
     energy is integrated with.
     """
     bodies = space.bodies
-    gradient = ngsolve.Id(2) + ngsolve.Grad(space.function(displacement))
+    gradient = ngsolve.Id(space.dimension) + ngsolve.Grad(space.function(displacement))
     jacobian = ngsolve.Det(gradient)
-    inside = ngsolve.dx(definedon=bodies.mesh.Materials(FILLING), intrules={ngsolve.ET.QUAD: reduced_rule(space)})
+    inside = ngsolve.dx(definedon=bodies.mesh.Materials(FILLING), intrules=reduced_rules(space))
 
     def by_body(density: ngsolve.CoefficientFunction) -> Array:
         values = np.array(ngsolve.Integrate(density * inside, bodies.mesh, element_wise=True))
@@ -64,6 +64,7 @@ def filling_pressures(space: DisplacementSpace, law: MooneyRivlinLaw, displaceme
     return np.asarray(by_body(-law.bulk_modulus * ngsolve.log(jacobian)) / by_body(jacobian))
 
 
-def reduced_rule(space: DisplacementSpace) -> ngsolve.IntegrationRule:
-    """Return the rule of the volumetric energy of what fills lumens: as many points in each direction as the order."""
-    return ngsolve.IntegrationRule(ngsolve.ET.QUAD, 2 * space.order - 1)
+def reduced_rules(space: DisplacementSpace) -> dict[ngsolve.ET, ngsolve.IntegrationRule]:
+    """Return the rules of the volumetric energy of what fills lumens: as many points in each direction as the order."""
+    kind = ngsolve.ET.QUAD if space.dimension == 2 else ngsolve.ET.HEX
+    return {kind: ngsolve.IntegrationRule(kind, 2 * space.order - 1)}

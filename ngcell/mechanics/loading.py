@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.geometry.tissue import FRAME, LOWER_PLATE, UPPER_PLATE
+from ngcell.geometry.tissue import ENDS, FRAME, LOWER_PLATE, UPPER_PLATE
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.scene import Frame, Plates
@@ -14,11 +14,18 @@ Array = NDArray[np.float64]
 
 
 def prescribed_motion(space: DisplacementSpace, load: Plates | Frame) -> PrescribedMotion:
-    """Return the motion that a load prescribes."""
+    """Return the motion that a load prescribes; what moves prisms moves them in the plane."""
+    dimension = space.dimension
+    whole, still = (True,) * dimension, np.zeros((dimension, dimension))
+    ends = []
+    if dimension == 3 and load.ends == "held":
+        ends = [Support(ENDS, still, np.zeros(3), (False, False, True))]
     if isinstance(load, Frame):
-        gradient = np.array(load.final_gradient) - np.eye(2)
-        return PrescribedMotion(space, [Support(FRAME, gradient, np.zeros(2))], lambda at: gradient @ at)
-    return _plates_motion(space, plate_travel(space, load))
+        gradient = still.copy()
+        gradient[:2, :2] = np.array(load.final_gradient) - np.eye(2)
+        supports = [*ends, Support(FRAME, gradient, np.zeros(dimension), whole)]
+        return PrescribedMotion(space, supports, lambda at: gradient @ at)
+    return _plates_motion(space, plate_travel(space, load), ends)
 
 
 def moved_region(load: Plates | Frame) -> str:
@@ -27,17 +34,20 @@ def moved_region(load: Plates | Frame) -> str:
 
 
 def plate_travel(space: DisplacementSpace, load: Plates | Frame) -> Array:
-    """Return the displacement of the moved plate at load factor 1 [length], shape (2,); zero for a frame."""
+    """Return the displacement of the moved plate at load factor 1 [length], shape (dimension,); zero for a frame."""
+    travel = np.zeros(space.dimension)
     if isinstance(load, Frame):
-        return np.zeros(2)
+        return travel
     if load.displacement is not None:
-        return np.array(load.displacement)
+        travel[:2] = load.displacement
+        return travel
     low, high = space.bodies.extent[:, 1]
     assert load.stretch is not None
-    return np.array([0.0, (load.stretch - 1) * (high - low)])
+    travel[1] = (load.stretch - 1) * (high - low)
+    return travel
 
 
-def _plates_motion(space: DisplacementSpace, travel: Array) -> PrescribedMotion:
+def _plates_motion(space: DisplacementSpace, travel: Array, ends: list[Support]) -> PrescribedMotion:
     """Plates move rigidly; in between, the carried field grows in proportion to the height."""
     height = space.rest[1]
     lower = height[_vertices(space, LOWER_PLATE)].max()
@@ -46,9 +56,10 @@ def _plates_motion(space: DisplacementSpace, travel: Array) -> PrescribedMotion:
     def carried(at: Array) -> Array:
         return travel[:, None] * np.clip((at[1] - lower) / (upper - lower), 0, 1)
 
-    still = np.zeros((2, 2))
-    supports = [Support(LOWER_PLATE, still, np.zeros(2)), Support(UPPER_PLATE, still, travel)]
-    return PrescribedMotion(space, supports, carried)
+    dimension = space.dimension
+    whole, still = (True,) * dimension, np.zeros((dimension, dimension))
+    plates = [Support(LOWER_PLATE, still, np.zeros(dimension), whole), Support(UPPER_PLATE, still, travel, whole)]
+    return PrescribedMotion(space, [*ends, *plates], carried)
 
 
 def _vertices(space: DisplacementSpace, region: str) -> NDArray[np.int64]:

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from math import isclose
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import BaseModel, Strict, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
 from ngcell.scene.cohesion import Cohesion, check_company
-from ngcell.scene.contact import Contact, Penalty
+from ngcell.scene.contact import Contact, Mortar, Penalty
 from ngcell.scene.expected import Expected
 from ngcell.scene.load import Load
-from ngcell.scene.lumen import CellPressure, Inclusion, Lumen
+from ngcell.scene.lumen import CellPressure, Fluid, Inclusion, Lumen
 from ngcell.scene.material import Material
 from ngcell.scene.mesh import MeshChoice
 from ngcell.scene.section import SECTION
@@ -76,6 +76,21 @@ class Case(BaseModel):
         """Smallest number of load steps: what the strategy asks for, else one for each level."""
         return self.strategy.steps or len(self.load.level_factors)
 
+    @field_validator("material", "lumen", "load", "contact", "cohesion", "mesh")
+    @classmethod
+    def _in_plane_or_space(cls, value: Any, info: ValidationInfo) -> Any:
+        tissue = info.data.get("tissue")
+        if tissue is None:
+            return value
+        is_planar = tissue.height is None
+        for place, is_there in (_of_prisms(value) if is_planar else _of_the_plane(value)).items():
+            if is_there:
+                allowed = "is for prisms; allowed: only beside tissue.height"
+                if not is_planar:
+                    allowed = "is for planar scenes; allowed: not beside tissue.height"
+                raise PydanticCustomError("limit", allowed, {"place": (place,)} if place else {})
+        return value
+
     @field_validator("material")
     @classmethod
     def _along_walls(cls, material: Material) -> Material:
@@ -134,3 +149,17 @@ class Case(BaseModel):
                     },
                 )
         return expected
+
+
+def _of_prisms(value: Any) -> dict[str, bool]:
+    """Return what of a part of a case only prisms have, by place, and whether it is there."""
+    return {name: getattr(value, name, None) is not None for name in ("ends", "slices")}
+
+
+def _of_the_plane(value: Any) -> dict[str, bool]:
+    """Return what of a part of a case only planar scenes have."""
+    return {
+        "": isinstance(value, Cohesion),
+        "kind": isinstance(value, Mortar | Fluid),
+        "fibres": getattr(value, "fibres", None) is not None,
+    }

@@ -49,6 +49,8 @@ class Plates(BaseModel):
         Displacement of the upper plate at load factor 1, a length.
     stretch : float, optional
         Distance of the plates at load factor 1 over the distance at rest, > 0.
+    ends : {"free", "held"}, optional
+        Whether the ends of prisms are free, as by default, or held along z, as in plane strain.
     levels : int or tuple of float
         Number of equal levels, or the load factors in [0, 1] that are reported, in the order of the load path;
         it may return, as in ``[0.5, 1.0, 0.5, 0.0]``.
@@ -59,6 +61,7 @@ class Plates(BaseModel):
     kind: Literal["plates"] = "plates"
     displacement: PlanarVector | None = None
     stretch: PositiveNumber | None = None
+    ends: Literal["free", "held"] | None = None
     levels: Levels = 10
 
     @property
@@ -86,6 +89,8 @@ class Frame(BaseModel):
         Stretches along x and y at load factor 1, each > 0.
     shear : float, optional
         Simple shear at load factor 1: displacement along x over height.
+    ends : {"free", "held"}, optional
+        Whether the ends of prisms are free, as by default, or held along z, as in plane strain.
     levels : int or tuple of float
         Number of equal levels, or the load factors in [0, 1] that are reported, in the order of the load path;
         it may return, as in ``[0.5, 1.0, 0.5, 0.0]``.
@@ -97,6 +102,7 @@ class Frame(BaseModel):
     deformation_gradient: Annotated[tuple[PlanarVector, PlanarVector], Strict(False)] | None = None
     stretch: Annotated[tuple[PositiveNumber, PositiveNumber], Strict(False)] | None = None
     shear: float | None = None
+    ends: Literal["free", "held"] | None = None
     levels: Levels = 10
 
     @property

@@ -24,6 +24,8 @@ class MeshChoice(BaseModel):
         Length of an element's edge along the wall, > 0; by default derived from the cell's side.
     layers : int, optional
         Elements through the wall, >= 1; by default derived from wall and size.
+    slices : int, optional
+        Elements along the height of prisms, >= 1; by default derived from height and size.
     """
 
     model_config = SECTION
@@ -31,6 +33,7 @@ class MeshChoice(BaseModel):
     order: Annotated[int, Field(ge=1, le=4)] = 3
     size: PositiveNumber | None = None
     layers: PositiveCount | None = None
+    slices: PositiveCount | None = None
 
 
 class Refinement(BaseModel):

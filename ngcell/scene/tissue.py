@@ -30,6 +30,8 @@ class Tissue(BaseModel):
         so the radius stays below ``wall / (1 - sqrt(3) / 2)``, where it would cut through them.
     orientation : {"pointy", "flat"}
         Whether a corner or a wall of each cell points upwards.
+    height : float, optional
+        Height of the cells along z, > 0: they are prisms, hollow from end to end. Without it the scene is planar.
     """
 
     model_config = SECTION
@@ -40,6 +42,7 @@ class Tissue(BaseModel):
     wall: PositiveNumber
     corner_radius: NonNegativeNumber = 0.0
     orientation: Literal["pointy", "flat"] = "pointy"
+    height: PositiveNumber | None = None
 
     @property
     def apothem(self) -> float:

@@ -8,17 +8,24 @@ from functools import cached_property
 import numpy as np
 import pytest
 from netgen import occ
+from scipy.spatial.transform import Rotation
 
 from ngcell.contact.assembly import Assembly
 from ngcell.contact.penalty import PenaltyContact, penalty_stiffness
 from ngcell.contact.search import Partners
+from ngcell.contact.tie import tie_walls
 from ngcell.contact.walls import Walls, find_walls
+from ngcell.geometry.lattice import hexagonal_lattice
+from ngcell.geometry.near import near_pairs
+from ngcell.geometry.prisms import prism_mesh
+from ngcell.geometry.rings import ring_section
 from ngcell.geometry.shapes import mesh_shapes
 from ngcell.mechanics.bulk import BulkEnergy
 from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
 from ngcell.mechanics.space import DisplacementSpace
 from tests.tissues import dense_stiffness
 
+SECTION = {"wall": 0.2, "radius": 0.0, "edges": 1, "layers": 1, "supports": {}}
 LAW = MooneyRivlinLaw(0.7, 0.3, 20.0)
 
 
@@ -121,6 +128,48 @@ def test_gaps_are_distances_to_second_order(make, order):
     assert set(kinds[0][first]) >= ({0, 1} if make is balls else {0, 1, 2})
     np.testing.assert_allclose((ahead - back) / (2 * step), rise, atol=1e-5 * np.abs(rise).max())
     np.testing.assert_allclose((ahead - 2 * gap[first] + back) / step**2, bend, atol=1e-4 * np.abs(bend).max())
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_tied_prisms_move_as_one_solid(order):
+    """Whatever the masters do: walls that coincide at rest coincide still, at three-cell lines, too."""
+    section = ring_section(hexagonal_lattice(2, 2, side=1.0, pointy=True), **SECTION)
+    space = DisplacementSpace(prism_mesh(section, height=0.6, slices=2), order)
+    walls = find_walls(space.bodies, space.scalar, space.rest)
+    tie = tie_walls(walls, space.size)
+    values = tie.sign * np.random.default_rng(2).standard_normal((3, space.size))[:, tie.master]
+    field = walls.station_values @ walls.nodes(values)
+    place = (walls.station_values @ walls.rest).reshape(-1, 3)
+    one, two = near_pairs(place, 1e-6)
+    body = np.repeat(walls.body, len(walls.stations))
+    assert (body[one] != body[two]).sum() > 200
+    np.testing.assert_allclose(field.reshape(-1, 3)[one], field.reshape(-1, 3)[two], atol=1e-9)
+
+
+def test_a_turning_step_turns_bodies_without_stretching_them():
+    bodies = balls(2)
+    problem, space = bodies.problem, bodies.space
+    vector = np.array([0.3, -0.5, 0.4])
+    centre = (space.rest * bodies.upper).sum(1) / bodies.upper.sum()
+    arm = space.rest - centre[:, None] * space.one
+    step = np.cross(vector[:, None], arm, axis=0) * (space.body_of_unknown == 1)
+    moved = problem.move(np.zeros(space.unknowns), step.ravel())
+    turned = Rotation.from_rotvec(vector).as_matrix() @ arm - arm
+    np.testing.assert_allclose(moved.reshape(3, -1), turned * (space.body_of_unknown == 1), atol=1e-12)
+    assert abs(problem.bulk.energy(moved)) < 1e-12
+
+
+def test_walls_that_end_are_continued_by_a_quarter():
+    """A prism that is raised a little presses on the next one as it did, beyond its end as well."""
+    section = ring_section(hexagonal_lattice(1, 2, side=1.0, pointy=True), **SECTION)
+    space = DisplacementSpace(prism_mesh(section, height=0.6, slices=1), 2)
+    pair = Pair(space)
+    energies = []
+    for rise in (0.0, 0.05, 0.14):
+        push = np.array([-0.02, 0.0, rise])[:, None] * pair.upper
+        energies.append(pair.problem.contact.pair(space.rest + push).energy(space.rest + push))
+    assert energies[0] > 0
+    np.testing.assert_allclose(energies, energies[0], rtol=1e-9)
 
 
 def kind_of(partners: Partners) -> np.ndarray:

@@ -46,6 +46,13 @@ WRONG: dict[str, tuple[tuple[str, str], int, str, str]] = {
     "text for a number": (("side = 1.0", 'side = "one"'), 6, 'tissue.side = "one"', "a finite number > 0"),
     "infinite side": (("side = 1.0", "side = inf"), 6, "tissue.side = Infinity", "a finite number > 0"),
     "wall closes the lumen": (("wall = 0.1", "wall = 0.9"), 7, "tissue.wall = 0.9", "0 < wall < 0.866025"),
+    "flat prisms": (("wall = 0.1", "wall = 0.1\nheight = 0.0"), 8, "tissue.height = 0.0", "a finite number > 0"),
+    "ends without prisms": (
+        ("levels = 2\n", 'levels = 2\nends = "held"\n'),
+        19,
+        'load.ends = "held"',
+        "is for prisms; allowed: only beside tissue.height",
+    ),
     "cells filled with nothing": (
         ("levels = 2\n", 'levels = 2\n\n[lumen]\nkind = "fluid"\nfill = 0.0\n'),
         22,
@@ -122,7 +129,7 @@ WRONG: dict[str, tuple[tuple[str, str], int, str, str]] = {
         ("displacement = [0.1, 0.0]", "displacement = [0.1, 0.0]\nshear = 0.1"),
         18,
         "load.shear = 0.1",
-        "allowed: kind, displacement, stretch, levels",
+        "allowed: kind, displacement, stretch, ends, levels",
     ),
     "two motions": (
         ("displacement = [0.1, 0.0]", "displacement = [0.1, 0.0]\nstretch = 1.1"),

@@ -1,0 +1,47 @@
+"""Prisms over a section: volumes, regions, outward faces, and walls that face each other."""
+
+from __future__ import annotations
+
+import ngsolve
+import numpy as np
+import pytest
+
+from ngcell.contact.facing import count_corners, find_facing
+from ngcell.contact.walls import find_walls
+from ngcell.geometry.lattice import hexagonal_lattice
+from ngcell.geometry.prisms import prism_mesh
+from ngcell.geometry.rings import ring_mesh, ring_section
+from ngcell.mechanics.space import DisplacementSpace
+
+LATTICE = hexagonal_lattice(2, 2, side=1.0, pointy=True)
+CHOICES = {"wall": 0.2, "radius": 0.1, "edges": 2, "layers": 2, "supports": {}}
+
+
+@pytest.mark.parametrize("filled", [False, True])
+def test_prisms_are_their_section_times_the_height(filled):
+    flat = ring_mesh(LATTICE, filled=filled, **CHOICES)
+    bodies = prism_mesh(ring_section(LATTICE, filled=filled, **CHOICES), height=0.7, slices=3)
+    area = ngsolve.Integrate(ngsolve.CF(1), flat.mesh)
+    assert ngsolve.Integrate(ngsolve.CF(1), bodies.mesh) == pytest.approx(0.7 * area, rel=1e-12)
+    assert bodies.mesh.ne == 3 * flat.mesh.ne
+    assert set(bodies.mesh.GetBoundaries()) == {*flat.mesh.GetBoundaries(), "front", "back"}
+    for name in flat.mesh.GetBoundaries():
+        length, surface = (
+            ngsolve.Integrate(ngsolve.CF(1), part.mesh.Boundaries(name), ngsolve.BND) for part in (flat, bodies)
+        )
+        assert surface == pytest.approx(0.7 * length, rel=1e-12)
+    np.testing.assert_array_equal(bodies.body_of_element, np.repeat(flat.body_of_element, 3))
+    normal, place = ngsolve.specialcf.normal(3), ngsolve.CF((ngsolve.x, ngsolve.y, ngsolve.z))
+    assert ngsolve.Integrate(normal * place, bodies.mesh, ngsolve.BND) == pytest.approx(2.1 * area, rel=1e-12)
+
+
+def test_walls_of_prisms_face_each_other():
+    bodies = prism_mesh(ring_section(LATTICE, **CHOICES | {"radius": 0.0}), height=0.7, slices=2)
+    space = DisplacementSpace(bodies, 2)
+    walls = find_walls(bodies, space.scalar, space.rest)
+    facing = find_facing(walls, 1e-3)
+    assert len(facing.pairs) == 5
+    assert facing.weight.sum() == pytest.approx(2 * 5 * 0.7, rel=1e-12)
+    assert np.abs(facing.gaps(walls, walls.rest)).max() < 1e-12
+    assert count_corners(walls) == 2 * 3
+    assert walls.loose_sides.sum() == 2 * 4 * 12
