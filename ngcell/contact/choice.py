@@ -16,8 +16,10 @@ Array = NDArray[np.float64]
 #: Stiffness of the springs in layers of elements: of the penalty that is meant, of the one with which release paths are
 #: walked (as stiff as the layer behind the wall, it costs a third of the iterations), and of the mortar method, whose
 #: result does not know it: softer springs need more updates of the pressures, stiffer ones more steps to each. In
-#: between penalties rise by steps of `LADDER`.
+#: between penalties rise by steps of `LADDER`; the last before the mortar method overlaps so little that walls do not
+#: jump apart where it takes over.
 PENALTY_MULTIPLE, PATH_MULTIPLE, MORTAR_MULTIPLE, LADDER = 10.0, 1.0, 3.0, 10.0
+HANDOVER_MULTIPLE = 3.0
 
 
 def contact_ladder(
@@ -42,7 +44,7 @@ def contact_ladder(
 
     if isinstance(choice, Mortar):
         stiffness = penalty_stiffness(walls, modulus_of_body, MORTAR_MULTIPLE)
-        return penalty(PATH_MULTIPLE), MortarContact(walls, stiffness, reach)
+        return penalty(PATH_MULTIPLE), penalty(HANDOVER_MULTIPLE), MortarContact(walls, stiffness, reach)
     meant = PENALTY_MULTIPLE * choice.stiffness
     return tuple(penalty(multiple) for multiple in (*_softer(meant), meant))
 

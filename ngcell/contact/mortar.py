@@ -9,8 +9,9 @@ One body of each pair carries the multiplier: the softer, then the finer one. In
 A weighted gap does not see a corner, or two walls bent towards each other, sink in between its points: there the
 pressure is a point force, which no polynomial holds. So the vertices of both walls and the quarters of their edges
 are watched, too. Each has a multiplier of its own that acts once the point is deeper than `ALLOWED` of its edge, and by
-as much as the outline bulges there, which is read off where a path hands over to the mortar method. The allowance falls
-with the mesh; it keeps watched points out of smooth contact, where they would take pressure from walls.
+as much as the outline at rest bulges there; outlines of order 1, polygons that stand for what bends, are read off where
+a path hands over to the mortar method. The allowance falls with the mesh; it keeps watched points out of smooth
+contact, where they would take pressure from walls.
 
 Conditions are met by the method of multipliers, a proximal form of the semismooth Newton (primal-dual active set)
 method: springs ``stiffness min(0, gap - pressure / stiffness)^2 / 2`` have, at fixed pressures, an energy that the
@@ -163,9 +164,12 @@ class MortarContact:
         self.multipliers, self._pace = np.zeros(len(self._weight)), 1.0
 
     def _allowed(self, nodes: Array) -> Array:
-        """Return what is added to the gaps of watched points: walls that bend bulge more than at rest."""
+        """Return what is added to the gaps of watched points. Polygons that bend bulge more than at rest."""
         length = np.linalg.norm(self.walls.rest[:, -1] - self.walls.rest[:, 0], axis=1)
-        allowance = ALLOWED * length + np.maximum(bulge(self.walls, self.walls.rest), bulge(self.walls, nodes))
+        rise = bulge(self.walls, self.walls.rest)
+        if self.walls.basis.order == 1:
+            rise = np.maximum(rise, bulge(self.walls, nodes))
+        allowance = ALLOWED * length + rise
         return self._all_rows(np.zeros(self.space.size), allowance[self._watched_edge])
 
     def _all_rows(self, by_function: Array, by_point: Array) -> Array:

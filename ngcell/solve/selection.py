@@ -36,14 +36,14 @@ _log = logging.getLogger(__name__)
 
 FIRST, LAST = 1e3, 1e-9
 #: Decades by which the tether falls from one minimisation to the next, at least and at most.
-NARROWEST, WIDEST = 0.25, 1.0
+NARROWEST, WIDEST = 0.5, 1.0
 #: Share of the longest step to which the place is rounded where a walk begins.
 LAST_DIGIT = 1e-6
 #: Strength, in units of the scale, at which contact stiffens: walls have found their partners there, and floating cells
 #: are still held well enough to follow.
 STIFFEN_AT = 1e-5
 #: Decrement at which a minimisation along the path, and the last one, ends: shares of the tether's energy.
-ON_THE_WAY, AT_THE_END = 1.0, 1e-10
+ON_THE_WAY, AT_THE_END = 0.01, 1e-10
 #: Decrement at which a minimisation between updates of contact pressures ends: share of the energy that stands for what
 #: conditions are missed by.
 UPDATE = 0.1
@@ -52,7 +52,8 @@ UPDATE = 0.1
 CONDITION, MOST_UPDATES = 1e-11, 40
 #: Share of what was missed before above which an update was slow.
 SLOW = 0.25
-#: Share of the energy that what is missed may stand for where updates hardly help: slivers of walls bear nothing.
+#: Share of the energy that is nothing: a decrement on the way, or what is missed where updates hardly help, as slivers
+#: of walls bear nothing.
 NOTHING = 1e-11
 
 
@@ -99,8 +100,9 @@ class Release:
         place = _without_round_off(minimum.state.displacement, minimisers[0])
         while minimum.ending is Ending.CONVERGED:
             minimiser, is_end = rest[0], len(rest) == 1 and strength <= self.last
-            share = AT_THE_END if is_end else ON_THE_WAY
-            minimum, factorisations = self._minimise(minimiser, place, anchor, strength, share, UPDATE * missed)
+            share, least = (AT_THE_END, 0.0) if is_end else (ON_THE_WAY, NOTHING * abs(minimum.state.energy))
+            enough = max(UPDATE * missed, least)
+            minimum, factorisations = self._minimise(minimiser, place, anchor, strength, share, enough)
             if minimum.ending is not Ending.CONVERGED:
                 break
             place = minimum.state.displacement

@@ -21,7 +21,7 @@ def bonded(strength: float, *sets: str) -> list[Step]:
 
 
 def test_no_strength_is_unilateral_contact():
-    free, loose = walked()[-1], bonded(1e-10)[-1]
+    free, loose = walked()[-1], bonded(1e-12)[-1]
     assert loose.record.energy == pytest.approx(free.record.energy, rel=1e-6)
     assert loose.record.plate_force_x == pytest.approx(free.record.plate_force_x, rel=1e-6)
     assert loose.record.parted_pairs == free.record.parted_pairs > 0
