@@ -5,7 +5,7 @@
 A quarter of two half-spheres of radius 50, E = 20000, nu = 0.3, whose planes through the centres approach each other.
 These planes are not infinitely far away, so they approach less than Hertz's bodies do under the same force; radius of
 contact and peak pressure are compared at the force, which is the 5.86e5 of H3 at an approach of 3.68. Both come from
-integrals of the pressure p for each area at rest, which Hertz's profile fulfils exactly: ``a^2 = 5/2 int p r^2 / int p``
+integrals of the pressure p for each area at rest, which Hertz fulfils exactly: ``a^2 = 5/2 int p r^2 / int p``
 and ``p0 = 3 F / (2 pi a^2)``. A minute or two.
 """
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from ngcell.export.picture import draw_tissue
 from ngcell.export.series import NOT_CERTIFIED, read_last_snapshot
+from ngcell.export.space_picture import draw_solids, is_of_solids, space_plot
 from ngcell.export.summary import SUMMARY, read_summary
 from ngcell.results.snapshot import Snapshot
 
@@ -22,7 +23,7 @@ def show(folder: Path, screenshot: Path | None = None) -> Path | None:
         The result of a run, finished or not.
     screenshot : Path, optional
         PNG file to write instead of opening a window. Without a display, and none given, it is `tissue.png`
-        in `folder`.
+        in `folder`, for bodies in space `tissue-3d.png`.
 
     Returns
     -------
@@ -42,6 +43,8 @@ def show(folder: Path, screenshot: Path | None = None) -> Path | None:
     if screenshot is None and _has_display():
         _open_window(snapshot, title, certified)
         return None
+    if is_of_solids(snapshot):
+        return draw_solids(snapshot, Path(screenshot or folder / "tissue-3d.png"), title=title, certified=certified)
     return draw_tissue(snapshot, Path(screenshot or folder / "tissue.png"), title=title, certified=certified)
 
 
@@ -52,6 +55,9 @@ def _has_display() -> bool:
 
 
 def _open_window(snapshot: Snapshot, title: str, certified: bool) -> None:
+    if is_of_solids(snapshot):
+        space_plot(snapshot, title=title, certified=certified).show()
+        return
     import pyvista
 
     bulk = snapshot.bulk

@@ -1,13 +1,15 @@
 import subprocess
 import sys
 
+import ngsolve
 import numpy as np
 import pytest
 from matplotlib.image import imread
 
 from ngcell.errors import OutputError
 from ngcell.export import SnapshotSeries, draw_curves, draw_debonding, draw_tissue, show, write_summary
-from ngcell.export.outline import cell_loops
+from ngcell.export.outline import cell_loops, planar_view
+from ngcell.results.patterns import pattern_of
 from ngcell.results.snapshot import Grid, Snapshot
 
 
@@ -139,3 +141,17 @@ def test_the_plan_of_onsets_follows_the_data(tmp_path, make_snapshot, make_recor
     assert grey[..., :3].std() > 0.05
     assert np.mean(np.abs(grey - coloured).max(2) > 0.1) > 1e-3
     assert red_share(tmp_path / "c.png") > red_share(tmp_path / "a.png") + 0.01
+
+
+def test_prisms_are_seen_from_above():
+    """Of two hexahedra on top of each other the upper end of the upper one is left, with its data."""
+    nodes = pattern_of(ngsolve.ET.HEX, 2).points
+    points = np.concatenate([nodes, nodes + [0, 0, 1]])
+    cells, cell_id = np.arange(54).reshape(2, 27), {"cell_id": np.array([3, 4])}
+    seen = planar_view(Grid(points, cells, 29, {"displacement": 0 * points}, cell_id))
+    assert seen.cell_type == 28
+    assert seen.cell_data["cell_id"].tolist() == [4]
+    assert (seen.points[seen.cells, 2] == 2).all()
+    (loop,) = cell_loops(seen)
+    assert loop.outer
+    np.testing.assert_allclose(seen.points[loop.points[0], :2], [0, 0])
