@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 FILLING = "filling"
 #: Boundary region of the lumens, where nothing tells them apart.
 LUMEN = "lumen"
+#: Boundary regions of the upper and the lower ends of prisms.
+FRONT, BACK = "front", "back"
 
 
 @dataclass(frozen=True, eq=False)

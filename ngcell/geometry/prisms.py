@@ -1,62 +1,92 @@
 """Prismatic cells: the plane through all cells, swept along z, as hexahedra written straight into a Netgen mesh.
 
-Ends of cells are the regions `FRONT`, at the upper end, and `BACK`. They are walls of no other cell, and what is in a
-plane section stays what it is: a wall of the section is a wall of the prism.
+Ends of cells are the regions `FRONT`, at the upper end, and `BACK`. Nothing touches them, and a wall of the section is a
+wall of the prism. Cells are hollow from end to end, or closed by end walls of one element each; the lumen of a closed
+cell has the inner faces of its end walls, too.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 from netgen.meshing import FaceDescriptor, Mesh
 from numpy.typing import NDArray
 
-from ngcell.geometry.bodies import BodyMesh
+from ngcell.geometry.bodies import BACK, FILLING, FRONT, BodyMesh
 from ngcell.geometry.rings import Section, int32
 
 Index = NDArray[np.int64]
 
-FRONT, BACK = "front", "back"
 
-
-def prism_mesh(section: Section, *, height: float, slices: int) -> BodyMesh:
+def prism_mesh(section: Section, *, height: float, slices: int, end_wall: float | None = None) -> BodyMesh:
     """Return the mesh of all cells.
 
     Parameters
     ----------
     section : Section
-        The plane through them, at z = 0.
+        The plane through them, at z = 0; with caps where there are end walls.
     height : float
         Height of the prisms [length], > 0.
     slices : int
-        Elements along it, >= 1.
+        Elements along it, between end walls, >= 1.
+    end_wall : float, optional
+        Thickness of the end walls [length], > 0 and less than half of the height; by default there are none.
     """
-    count = len(section.points)
-    heights = np.linspace(0, height, slices + 1)
-    points = np.column_stack([np.tile(section.points, (slices + 1, 1)), np.repeat(heights, count)])
+    heights, inner = np.linspace(0, height, slices + 1), range(slices)
+    if end_wall is not None:
+        between = np.linspace(end_wall, height - end_wall, slices + 1)
+        heights, inner = np.concatenate([[0.0], between, [height]]), range(1, slices + 1)
+    last, count = len(heights) - 1, len(section.points)
+    solids = _solids(section, inner, last)
+    faces = _faces(section, inner, last)
+    used = np.unique(np.concatenate([part.ravel() for _, part in solids]))
+    points = np.column_stack([np.tile(section.points, (last + 1, 1)), np.repeat(heights, count)])[used]
     mesh = Mesh()
     mesh.dim = 3
     mesh.AddPoints(np.ascontiguousarray(points))
-    for number, (name, quads) in enumerate(section.regions, start=1):
+    for number, (name, elements) in enumerate(solids, start=1):
         mesh.SetMaterial(number, name)
-        mesh.AddElements(dim=3, index=number, data=int32(_swept(quads, count, slices)), base=0)
+        mesh.AddElements(dim=3, index=number, data=int32(np.searchsorted(used, elements)), base=0)
+    for name, elements in faces:
+        # A descriptor with a domain on its inner side tells NGSolve which way is out.
+        number = mesh.GetNFaceDescriptors() + 1
+        descriptor = FaceDescriptor(surfnr=number, domin=1, domout=0, bc=number)
+        descriptor.bcname = name
+        index = mesh.Add(descriptor)
+        mesh.AddElements(dim=2, index=index, data=int32(np.searchsorted(used, elements)), base=0)
+    thickness = min(section.wall, end_wall or section.wall)
+    return section.body_mesh(mesh, [len(elements) for _, elements in solids], thickness)
+
+
+def _solids(section: Section, inner: Sequence[int], last: int) -> list[tuple[str, Index]]:
+    """Return the hexahedra of each region; those of end walls belong to their cells."""
+    count, solids = len(section.points), []
+    for number, (name, quads) in enumerate(section.regions):
+        parts = [_swept(quads, count, inner if name == FILLING else range(last))]
+        if section.caps is not None and name != FILLING:
+            parts.append(_swept(section.caps[number], count, (0, last - 1)))
+        solids.append((name, np.concatenate(parts)))
+    return solids
+
+
+def _faces(section: Section, inner: Sequence[int], last: int) -> list[tuple[str, Index]]:
+    """Return the boundary faces of each region, anticlockwise as seen from outside."""
+    count, faces = len(section.points), []
     for name, edges in section.edges:
-        _add_faces(mesh, name, _swept(edges, count, slices)[:, [0, 1, 3, 2]])
-    ends = np.concatenate([quads for _, quads in section.regions])
-    _add_faces(mesh, FRONT, ends + count * slices)
-    _add_faces(mesh, BACK, ends[:, ::-1])
-    return section.body_mesh(mesh, slices)
+        slices = inner if name in section.lumens else range(last)
+        parts = [_swept(edges, count, slices)[:, [0, 1, 3, 2]]]
+        if section.caps is not None and name in section.lumens:
+            caps = section.caps[section.lumens[name]].reshape(-1, 4)
+            parts += [caps + count, caps[:, ::-1] + count * (last - 1)]
+        faces.append((name, np.concatenate(parts)))
+    ends = [quads for name, quads in section.regions if name != FILLING or section.caps is None]
+    ends += [] if section.caps is None else [section.caps.reshape(-1, 4)]
+    end = np.concatenate(ends)
+    return [*faces, (FRONT, end + count * last), (BACK, end[:, ::-1])]
 
 
-def _swept(numbers: Index, count: int, slices: int) -> Index:
+def _swept(numbers: Index, count: int, slices: Sequence[int]) -> Index:
     """Return prisms over polygons, slice after slice of each; bottom corners first."""
-    low = numbers[:, None] + count * np.arange(slices)[None, :, None]
+    low = numbers[:, None] + count * np.array(slices)[None, :, None]
     return np.asarray(np.concatenate([low, low + count], axis=2).reshape(-1, 2 * numbers.shape[1]))
-
-
-def _add_faces(mesh: Mesh, name: str, faces: Index) -> None:
-    # A descriptor with a domain on its inner side tells NGSolve which way is out.
-    number = mesh.GetNFaceDescriptors() + 1
-    descriptor = FaceDescriptor(surfnr=number, domin=1, domout=0, bc=number)
-    descriptor.bcname = name
-    index = mesh.Add(descriptor)
-    mesh.AddElements(dim=2, index=index, data=int32(faces), base=0)

@@ -82,6 +82,10 @@ class Section:
         Where the cells sit.
     wall : float
         Thickness of the walls [length].
+    lumens : dict of str to array of int
+        Cells whose inner walls belong to each region that is not a wall.
+    caps : array of int, shape (cells, n, 4), optional
+        Quadrilaterals that close the lumen of each cell, where cells are to be closed.
     """
 
     points: Array
@@ -90,11 +94,12 @@ class Section:
     wall_names: str
     lattice: Lattice
     wall: float
+    lumens: dict[str, NDArray[np.int64]]
+    caps: NDArray[np.int64] | None = None
 
-    def body_mesh(self, mesh: Mesh, copies: int = 1) -> BodyMesh:
-        """Return the bodies of a mesh that has `copies` elements for each quadrilateral, region after region."""
+    def body_mesh(self, mesh: Mesh, counts: list[int], thickness: float) -> BodyMesh:
+        """Return the bodies of a mesh, from the numbers of elements of its regions, one after the other."""
         cells = len(self.lattice.centres)
-        counts = [copies * len(quads) for _, quads in self.regions]
         body = np.repeat(np.arange(cells), counts[:cells])
         filled = len(self.regions) > cells
         filling = np.repeat(np.arange(cells), counts[-1] // cells) if filled else np.zeros(0, dtype=np.int64)
@@ -104,7 +109,7 @@ class Section:
             body_names=tuple(f"cell{cell}" for cell in range(cells)),
             wall_names=self.wall_names,
             length=self.lattice.side,
-            thickness=self.wall,
+            thickness=thickness,
             is_filling=np.repeat([False, True], [len(body), len(filling)]) if filled else None,
         )
 
@@ -119,6 +124,7 @@ def ring_section(
     supports: dict[str, NDArray[np.bool_]],
     lumens: dict[str, NDArray[np.int64]] | None = None,
     filled: bool = False,
+    closed: bool = False,
 ) -> Section:
     """Return the plane through all cells.
 
@@ -137,25 +143,26 @@ def ring_section(
         Cells whose inner walls belong to each region; by default one region ``lumen`` of all cells.
     filled : bool
         Whether lumens are filled with elements, bonded to the wall.
+    closed : bool
+        Whether there are quadrilaterals to close lumens with.
     """
     ring = ring_layers(lattice, wall=wall, radius=radius, edges=edges, layers=layers)
     cells, nodes = len(lattice.centres), ring.shape[1]
     layer = np.arange((layers + 1) * nodes).reshape(layers + 1, nodes)
     quads, cell_points = _ring_quads(layer), ring.reshape(-1, 2)
-    if filled:
+    if filled or closed:
         inside, filling = lumen_quads(ring[-1])
         filling = filling + layer[-1, 0]
         cell_points = np.concatenate([cell_points, inside])
     first_node = len(cell_points) * np.arange(cells)
     regions = [(f"cell{cell}", quads + first) for cell, first in enumerate(first_node)]
+    caps = filling + first_node[:, None, None] if filled or closed else None
     if filled:
-        regions.append((FILLING, (filling + first_node[:, None, None]).reshape(-1, 4)))
+        regions.append((FILLING, caps.reshape(-1, 4)))
     outer = np.stack([layer[0], np.roll(layer[0], -1)], axis=-1).reshape(WALLS, -1, 2)
     inner = np.stack([np.roll(layer[-1], -1), layer[-1]], axis=-1)
-    bounds = [
-        (name, first_node[member, None, None] + inner)
-        for name, member in ({} if filled else lumens or {LUMEN: np.arange(cells)}).items()
-    ]
+    hollow = {} if filled else lumens or {LUMEN: np.arange(cells)}
+    bounds = [(name, first_node[member, None, None] + inner) for name, member in hollow.items()]
     unsupported = np.ones((cells, WALLS), dtype=bool)
     for name, member in [*supports.items(), ("wall", unsupported)]:
         cell, side = np.nonzero(member)
@@ -168,6 +175,8 @@ def ring_section(
         wall_names="|".join(["wall", *supports]),
         lattice=lattice,
         wall=wall,
+        lumens=hollow,
+        caps=caps if closed else None,
     )
 
 
@@ -181,7 +190,7 @@ def ring_mesh(lattice: Lattice, **choices: Any) -> BodyMesh:
         for name, numbers in parts:
             region = mesh.AddRegion(name, dim=dimension)
             mesh.AddElements(dim=dimension, index=region, data=int32(numbers), base=0)
-    return section.body_mesh(mesh)
+    return section.body_mesh(mesh, [len(quads) for _, quads in section.regions], section.wall)
 
 
 def along_walls(mesh: ngsolve.Mesh) -> Array:

@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.geometry.bodies import BodyMesh
+from ngcell.geometry.bodies import BACK, FRONT, BodyMesh
 from ngcell.geometry.lattice import Lattice, hexagonal_lattice
 from ngcell.geometry.rings import ring_mesh, ring_section
-from ngcell.scene import Frame, MeshChoice, Plates, Tissue
+from ngcell.scene import Ends, Frame, Load, MeshChoice, Tissue
 
 #: Names of the supported regions.
 LOWER_PLATE, UPPER_PLATE, FRAME = "lower-plate", "upper-plate", "frame"
 #: Regular expression of the ends of prisms.
-ENDS = "front|back"
+ENDS = f"{FRONT}|{BACK}"
 
 #: Default edges: at most this many wall thicknesses long, and at least this many to a side.
 _SLENDERNESS, _FEWEST_EDGES = 5.0, 2
@@ -24,7 +24,7 @@ _SLENDERNESS, _FEWEST_EDGES = 5.0, 2
 
 def tissue_mesh(
     tissue: Tissue,
-    load: Plates | Frame,
+    load: Load,
     choice: MeshChoice,
     lumens: dict[str, NDArray[np.int64]] | None = None,
     *,
@@ -50,7 +50,8 @@ def tissue_mesh(
     from ngcell.geometry.prisms import prism_mesh
 
     slices = choice.slices or max(1, ceil(tissue.height / tissue.side * edges - 1e-9))
-    return prism_mesh(ring_section(lattice, **choices), height=tissue.height, slices=slices)
+    section = ring_section(lattice, **choices, closed=tissue.end_wall is not None)
+    return prism_mesh(section, height=tissue.height, slices=slices, end_wall=tissue.end_wall)
 
 
 def mesh_density(tissue: Tissue, choice: MeshChoice) -> tuple[int, int]:
@@ -60,8 +61,10 @@ def mesh_density(tissue: Tissue, choice: MeshChoice) -> tuple[int, int]:
     return max(1, ceil(tissue.side / size - 1e-9)), layers
 
 
-def supported_walls(lattice: Lattice, load: Plates | Frame) -> dict[str, NDArray[np.bool_]]:
+def supported_walls(lattice: Lattice, load: Load) -> dict[str, NDArray[np.bool_]]:
     """Return which walls each supported region consists of, as arrays of shape (cells, 6)."""
+    if isinstance(load, Ends):
+        return {}
     if isinstance(load, Frame):
         return {FRAME: lattice.neighbours < 0}
     top = int(lattice.row_of_cell.max())

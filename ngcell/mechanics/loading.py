@@ -5,16 +5,19 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.geometry.bodies import BACK, FRONT
 from ngcell.geometry.tissue import ENDS, FRAME, LOWER_PLATE, UPPER_PLATE
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
-from ngcell.scene import Frame, Plates
+from ngcell.scene import Ends, Frame, Load
 
 Array = NDArray[np.float64]
 
 
-def prescribed_motion(space: DisplacementSpace, load: Plates | Frame) -> PrescribedMotion:
+def prescribed_motion(space: DisplacementSpace, load: Load) -> PrescribedMotion:
     """Return the motion that a load prescribes; what moves prisms moves them in the plane."""
+    if isinstance(load, Ends):
+        return _ends_motion(space, load)
     dimension = space.dimension
     whole, still = (True,) * dimension, np.zeros((dimension, dimension))
     ends = []
@@ -28,16 +31,20 @@ def prescribed_motion(space: DisplacementSpace, load: Plates | Frame) -> Prescri
     return _plates_motion(space, plate_travel(space, load), ends)
 
 
-def moved_region(load: Plates | Frame) -> str:
+def moved_region(load: Load) -> str:
     """Return the region whose force and displacement are reported."""
+    if isinstance(load, Ends):
+        return FRONT
     return FRAME if isinstance(load, Frame) else UPPER_PLATE
 
 
-def plate_travel(space: DisplacementSpace, load: Plates | Frame) -> Array:
+def plate_travel(space: DisplacementSpace, load: Load) -> Array:
     """Return the displacement of the moved plate at load factor 1 [length], shape (dimension,); zero for a frame."""
     travel = np.zeros(space.dimension)
     if isinstance(load, Frame):
         return travel
+    if isinstance(load, Ends):
+        return np.array(load.displacement)
     if load.displacement is not None:
         travel[:2] = load.displacement
         return travel
@@ -60,6 +67,22 @@ def _plates_motion(space: DisplacementSpace, travel: Array, ends: list[Support])
     whole, still = (True,) * dimension, np.zeros((dimension, dimension))
     plates = [Support(LOWER_PLATE, still, np.zeros(dimension), whole), Support(UPPER_PLATE, still, travel, whole)]
     return PrescribedMotion(space, [*ends, *plates], carried)
+
+
+def _ends_motion(space: DisplacementSpace, load: Ends) -> PrescribedMotion:
+    """The front turns and moves rigidly; in between, the carried field grows in proportion to the height."""
+    turn = np.radians(load.twist)
+    gradient = np.zeros((3, 3))
+    gradient[:2, :2] = [[np.cos(turn) - 1, -np.sin(turn)], [np.sin(turn), np.cos(turn) - 1]]
+    (low, high), whole = space.bodies.extent, (True,) * 3
+    shift = np.array(load.displacement) - gradient @ ((low + high) / 2)
+
+    def carried(at: Array) -> Array:
+        share = (at[2] - low[2]) / (high[2] - low[2])
+        return share * (gradient @ at + shift[:, None])
+
+    back = Support(BACK, np.zeros((3, 3)), np.zeros(3), whole)
+    return PrescribedMotion(space, [back, Support(FRONT, gradient, shift, whole)], carried)
 
 
 def _vertices(space: DisplacementSpace, region: str) -> NDArray[np.int64]:

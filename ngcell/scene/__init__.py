@@ -11,7 +11,7 @@ from ngcell.scene.contact import Contact, Mortar, Penalty
 from ngcell.scene.drawn import Block, Disc, DrawnBody, Ring
 from ngcell.scene.expected import BodyExpected, Expected
 from ngcell.scene.kinds import AnyCase
-from ngcell.scene.load import Frame, Load, Plates
+from ngcell.scene.load import Ends, Frame, Load, Plates
 from ngcell.scene.lumen import CellPressure, Fluid, Inclusion
 from ngcell.scene.material import ExponentialFibres, Material, MooneyRivlin, QuadraticFibres
 from ngcell.scene.mesh import BodyMeshChoice, MeshChoice, Refinement
@@ -36,6 +36,7 @@ __all__ = [
     "Contact",
     "Disc",
     "DrawnBody",
+    "Ends",
     "Expected",
     "ExponentialFibres",
     "Fluid",

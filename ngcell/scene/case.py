@@ -11,7 +11,7 @@ from pydantic_core import PydanticCustomError
 from ngcell.scene.cohesion import Cohesion, check_company
 from ngcell.scene.contact import Contact, Mortar, Penalty
 from ngcell.scene.expected import Expected
-from ngcell.scene.load import Load
+from ngcell.scene.load import Ends, Load
 from ngcell.scene.lumen import CellPressure, Fluid, Inclusion, Lumen
 from ngcell.scene.material import Material
 from ngcell.scene.mesh import MeshChoice
@@ -38,7 +38,7 @@ class Case(BaseModel):
         What their walls are made of.
     lumen : CellPressure, Inclusion or Fluid, optional
         What the cells hold; by default they are empty.
-    load : Plates or Frame
+    load : Plates, Frame or Ends
         What moves them.
     strategy : Sddp or SingleStep
         How the load path is walked.
@@ -153,7 +153,8 @@ class Case(BaseModel):
 
 def _of_prisms(value: Any) -> dict[str, bool]:
     """Return what of a part of a case only prisms have, by place, and whether it is there."""
-    return {name: getattr(value, name, None) is not None for name in ("ends", "slices")}
+    given = {name: getattr(value, name, None) is not None for name in ("ends", "slices")}
+    return {**given, "kind": isinstance(value, Ends)}
 
 
 def _of_the_plane(value: Any) -> dict[str, bool]:

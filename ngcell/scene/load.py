@@ -136,7 +136,34 @@ class Frame(BaseModel):
         return self
 
 
-Load = Annotated[Plates | Frame, ByKind()]
+class Ends(BaseModel):
+    """The ends of prisms: those at the back are held, those at the front move together as one rigid plate.
+
+    Parameters
+    ----------
+    twist : float
+        Angle by which the front is turned about the tissue's axis at load factor 1, in degrees, in (-180, 180). On the
+        way points go straight to where they end.
+    displacement : tuple of float, shape (3,)
+        Displacement of the front at load factor 1, a length.
+    levels : int or tuple of float
+        Number of equal levels, or the load factors in [0, 1] that are reported.
+    """
+
+    model_config = SECTION
+
+    kind: Literal["ends"] = "ends"
+    twist: Annotated[float, Field(gt=-180, lt=180)] = 0.0
+    displacement: Annotated[tuple[float, float, float], Strict(False)] = (0.0, 0.0, 0.0)
+    levels: Levels = 10
+
+    @property
+    def level_factors(self) -> tuple[float, ...]:
+        """Load factors of the levels, in [0, 1]."""
+        return level_factors(self.levels)
+
+
+Load = Annotated[Plates | Frame | Ends, ByKind()]
 
 
 def level_factors(levels: int | tuple[float, ...]) -> tuple[float, ...]:

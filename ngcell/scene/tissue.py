@@ -32,6 +32,8 @@ class Tissue(BaseModel):
         Whether a corner or a wall of each cell points upwards.
     height : float, optional
         Height of the cells along z, > 0: they are prisms, hollow from end to end. Without it the scene is planar.
+    end_wall : float, optional
+        Thickness of walls that close both ends of prisms, in (0, height / 2).
     """
 
     model_config = SECTION
@@ -43,6 +45,7 @@ class Tissue(BaseModel):
     corner_radius: NonNegativeNumber = 0.0
     orientation: Literal["pointy", "flat"] = "pointy"
     height: PositiveNumber | None = None
+    end_wall: PositiveNumber | None = None
 
     @property
     def apothem(self) -> float:
@@ -77,6 +80,18 @@ class Tissue(BaseModel):
                 {"apothem": f"{_apothem(info.data['side']):.6g}", "side": f"{info.data['side']:.6g}"},
             )
         return wall
+
+    @field_validator("end_wall")
+    @classmethod
+    def _within_the_height(cls, end_wall: float | None, info: ValidationInfo) -> float | None:
+        height = info.data.get("height")
+        if end_wall is not None and (height is None or 2 * end_wall >= height):
+            raise PydanticCustomError(
+                "limit",
+                "allowed: 0 < end_wall < {limit}",
+                {"limit": "height / 2, with a height" if height is None else f"{height / 2:.6g}, half of the height"},
+            )
+        return end_wall
 
     @field_validator("corner_radius")
     @classmethod

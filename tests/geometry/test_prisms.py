@@ -45,3 +45,25 @@ def test_walls_of_prisms_face_each_other():
     assert np.abs(facing.gaps(walls, walls.rest)).max() < 1e-12
     assert count_corners(walls) == 2 * 3
     assert walls.loose_sides.sum() == 2 * 4 * 12
+
+
+@pytest.mark.parametrize("filled", [False, True])
+def test_closed_prisms_have_end_walls_and_a_closed_lumen(filled):
+    section = ring_section(LATTICE, filled=filled, closed=True, **CHOICES | {"radius": 0.0})
+    bodies = prism_mesh(section, height=1.0, slices=2, end_wall=0.15)
+    whole, inside = (2 * np.sqrt(3) * apothem**2 for apothem in (LATTICE.apothem, LATTICE.apothem - 0.2))
+    walls = 4 * (whole - 0.7 * inside)
+    for region, volume in (("cell.*", walls), ("filling", 4 * 0.7 * inside)):
+        found = ngsolve.Integrate(ngsolve.CF(1), bodies.mesh.Materials(region)) if filled or region != "filling" else 0
+        assert found == pytest.approx(volume if filled or region != "filling" else 0, rel=1e-12)
+    flux = ngsolve.specialcf.normal(3) * ngsolve.CF((ngsolve.x, ngsolve.y, ngsolve.z))
+    total = walls + (4 * 0.7 * inside if filled else 0)
+    assert ngsolve.Integrate(flux, bodies.mesh, ngsolve.BND) == pytest.approx(3 * total, rel=1e-12)
+    assert ngsolve.Integrate(ngsolve.CF(1), bodies.mesh.Boundaries("front"), ngsolve.BND) == pytest.approx(4 * whole)
+    if not filled:
+        lumen = ngsolve.Integrate(flux, bodies.mesh.Boundaries("lumen"), ngsolve.BND)
+        assert lumen == pytest.approx(-3 * 4 * 0.7 * inside, rel=1e-12)
+    assert bodies.thickness == 0.15
+    used = np.zeros(bodies.mesh.nv, dtype=bool)
+    used[[vertex.nr for element in bodies.mesh.Elements(ngsolve.VOL) for vertex in element.vertices]] = True
+    assert used.all()

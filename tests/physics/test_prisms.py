@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
+from ngcell.simulation import Simulation
 from tests.prisms import SOFT, case, last_step
 
 HEIGHT = 0.4
@@ -30,3 +33,30 @@ def test_prisms_between_free_ends_are_softer_and_certified():
     # Walls bend: of plane strain, 1 - nu^2 is left in plane stress, which the ends are in and the middle less so.
     poisson = (3 * 100 - 2 * 2) / (6 * 100 + 2 * 2)
     assert (1 - poisson**2) * held.record.energy < free.record.energy < held.record.energy
+
+
+def test_a_closed_cell_under_pressure_is_twisted():
+    """Six-fold symmetry: the front bears a torque and a thrust, and no force across."""
+    scene = case(
+        1.0,
+        tissue={"rows": 1, "cols": 1, "wall": 0.2, "height": 1.0, "end_wall": 0.2},
+        lumen={"kind": "pressure", "pressure": 0.05},
+        load={"kind": "ends", "twist": 20.0, "levels": 1},
+    )
+    simulation = Simulation(scene)
+    step = list(simulation.walk())[-1]
+    assert step.record.certified
+    across = step.measurement.plate_force[:2]
+    assert across == pytest.approx(0, abs=1e-9)
+    grid = step.snapshot.bulk
+    front = grid.points[:, 2] > 1 - 1e-9
+    turned = Rotation.from_euler("z", 20, degrees=True).apply(grid.points[front])
+    np.testing.assert_allclose(grid.points[front] + grid.point_data["displacement"][front], turned, atol=1e-12)
+    force = step.measurement.reaction.reshape(3, -1)
+    place = simulation.space.rest + step.displacement.reshape(3, -1)
+    at = simulation.space.region_unknowns("front")
+    torque = (place[0] * force[1] - place[1] * force[0])[at].sum()
+    # Work of the torque, which grows in proportion to the angle, against the energy that the twist stores.
+    untwisted = scene.model_copy(update={"load": scene.load.model_copy(update={"twist": 0.0})})
+    rest = last_step(untwisted)
+    assert torque * np.radians(20) / 2 == pytest.approx(step.record.energy - rest.record.energy, rel=0.1)

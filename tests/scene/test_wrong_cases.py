@@ -47,6 +47,24 @@ WRONG: dict[str, tuple[tuple[str, str], int, str, str]] = {
     "infinite side": (("side = 1.0", "side = inf"), 6, "tissue.side = Infinity", "a finite number > 0"),
     "wall closes the lumen": (("wall = 0.1", "wall = 0.9"), 7, "tissue.wall = 0.9", "0 < wall < 0.866025"),
     "flat prisms": (("wall = 0.1", "wall = 0.1\nheight = 0.0"), 8, "tissue.height = 0.0", "a finite number > 0"),
+    "end walls that meet": (
+        ("wall = 0.1", "wall = 0.1\nheight = 1.0\nend_wall = 0.5"),
+        9,
+        "tissue.end_wall = 0.5",
+        "0 < end_wall < 0.5, half of the height",
+    ),
+    "end walls without a height": (
+        ("wall = 0.1", "wall = 0.1\nend_wall = 0.5"),
+        8,
+        "tissue.end_wall = 0.5",
+        "height / 2, with a height",
+    ),
+    "ends of planar cells twisted": (
+        (LOAD, 'kind = "ends"\ntwist = 10.0'),
+        16,
+        'load.kind = "ends"',
+        "is for prisms; allowed: only beside tissue.height",
+    ),
     "ends without prisms": (
         ("levels = 2\n", 'levels = 2\nends = "held"\n'),
         19,
