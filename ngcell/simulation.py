@@ -37,13 +37,16 @@ from ngcell.results.surface import wall_fields
 from ngcell.scene import AnyCase, BodyScene
 from ngcell.solve.effort import Effort
 from ngcell.solve.minimise import Minimiser
-from ngcell.solve.selection import Release
+from ngcell.solve.selection import FIRST, Release
 from ngcell.solve.strategy import Accepted, Released, compact_then_released, single_step
 from ngcell.standing import Standing
 
 if TYPE_CHECKING:
     from ngcell.contact.cohesion import Bonds
 
+#: Ratio of bulk to shear modulus up to which paths are walked with a law as it is. Beyond it Newton's method crawls
+#: along the curved valley of constant volume: paths are walked with this ratio, which rises to the one that is meant.
+PATH_BULK, BULK_LADDER = 1e4, 30.0
 #: Walls that face each other nearer than this share of their thickness count as touching at rest.
 _TOUCHING = 0.05
 #: Strength at which release paths start where walls overlap at rest, in units of the path's scale. A stronger tether
@@ -137,9 +140,27 @@ class Simulation:
         )
 
     @cached_property
+    def _bulks(self) -> tuple[BulkEnergy, ...]:
+        """The stored energy, from the bulk modulus that paths are walked with to the one that is meant."""
+        drawn = self.blueprint
+        laws = (*drawn.laws, *filter(None, (drawn.filling,)))
+        bound, bulks = PATH_BULK, []
+        while bound < max(law.bulk_modulus / law.shear_modulus for law in laws):
+            softened = [law.softened(bound) for law in drawn.laws]
+            filling = drawn.filling and drawn.filling.softened(bound)
+            bulks.append(BulkEnergy(self.space, softened, drawn.loads, filling, drawn.fibre_direction))
+            bound *= BULK_LADDER
+        return (*bulks, self.bulk)
+
+    @property
     def compact(self) -> Assembly:
         """The tissue as one compact solid."""
-        return self._assembly(tie=tie_walls(self.walls, self.space.size))
+        return self._compact_ladder[-1]
+
+    @cached_property
+    def _compact_ladder(self) -> tuple[Assembly, ...]:
+        tie = tie_walls(self.walls, self.space.size)
+        return tuple(self._assembly(bulk, tie=tie) for bulk in self._bulks)
 
     @property
     def released(self) -> Assembly:
@@ -148,10 +169,11 @@ class Simulation:
 
     @cached_property
     def _ladder(self) -> tuple[Assembly, ...]:
-        """The released tissue, from the contact that the release is walked with to the one that is meant."""
+        """The released tissue, from the contact and bulk modulus that paths are walked with to those that are meant."""
         moduli = np.array([law.plane_strain_modulus for law in self.bulk.laws])
         methods = contact_ladder(self._contact, self.walls, moduli, reach=2 * self.longest_step)
-        return tuple(self._assembly(contact=method) for method in methods)
+        softer = [self._assembly(bulk, contact=methods[0]) for bulk in self._bulks[:-1]]
+        return (*softer, *(self._assembly(self.bulk, contact=method) for method in methods))
 
     @cached_property
     def _bonds(self) -> Bonds | None:
@@ -162,9 +184,11 @@ class Simulation:
 
         return bond_walls(self.walls, ExponentialLaw(self._cohesion.strength, self._cohesion.energy))
 
-    def _assembly(self, *, contact: ContactMethod | None = None, tie: Tie | None = None) -> Assembly:
+    def _assembly(
+        self, bulk: BulkEnergy, *, contact: ContactMethod | None = None, tie: Tie | None = None
+    ) -> Assembly:
         fluid, bonds = self.blueprint.fluid, self._bonds if tie is None else None
-        return Assembly(self.space, self.bulk, self.motion.fixed, contact=contact, tie=tie, fluid=fluid, bonds=bonds)
+        return Assembly(self.space, bulk, self.motion.fixed, contact=contact, tie=tie, fluid=fluid, bonds=bonds)
 
     def walk(self, standing: Standing | None = None) -> Iterator[Step]:
         """Yield the accepted steps, or those that follow where an earlier walk stood.
@@ -192,7 +216,7 @@ class Simulation:
         steps, done, last = self._steps(), standing.count, standing.displacement
         if self.blueprint.compact_first:
             return compact_then_released(
-                self._minimiser(self.compact, np.inf),
+                [self._minimiser(assembly, np.inf) for assembly in self._compact_ladder],
                 self._released(),
                 self.motion,
                 steps=steps,
@@ -235,12 +259,26 @@ class Simulation:
 
     def _released(self) -> Released:
         minimisers = [self._minimiser(assembly, self.longest_step) for assembly in self._ladder]
-        shear_modulus = max(law.shear_modulus for law in self.bulk.laws)
-        apart = self._minimiser(self._assembly(), self.longest_step)
-        scale = shear_modulus / self.bodies.length**2
-        path = Release(scale, first=_FIRST_OVERLAPPING) if self._overlaps_at_rest else Release(scale)
+        apart = self._minimiser(self._assembly(self._bulks[0]), self.longest_step)
         history = None if self._bonds is None else self.released
-        return Released(apart, tuple(minimisers), path, self.blueprint.loads or self.blueprint.fluid, history)
+        loads = self.blueprint.loads or self.blueprint.fluid
+        softest, stiffest = self._moduli
+        return Released(apart, tuple(minimisers), self.release_path, loads, history, is_mixed=stiffest > softest)
+
+    @property
+    def release_path(self) -> Release:
+        """The path on which equilibria of released walls are selected."""
+        softest, stiffest = self._moduli
+        # Contact is as stiff as the softer body of a pair; what the tether has to outweigh at first is the stiffest.
+        first = _FIRST_OVERLAPPING if self._overlaps_at_rest else FIRST * stiffest / softest
+        return Release(softest / self.bodies.length**2, first=first)
+
+    @property
+    def _moduli(self) -> tuple[float, float]:
+        """Shear modulus of the softest wall, and of the stiffest solid there is."""
+        walls = [law.shear_modulus for law in self.bulk.laws]
+        filling = [self.bulk.filling.shear_modulus] if self.bulk.filling else []
+        return min(walls), max(walls + filling)
 
     @property
     def _overlaps_at_rest(self) -> bool:
@@ -249,9 +287,8 @@ class Simulation:
         return float(gap.min(initial=0.0)) < -_TOUCHING * self.bodies.thickness
 
     def _minimiser(self, assembly: Assembly, longest_step: float) -> Minimiser:
-        modulus = max(law.shear_modulus for law in self.bulk.laws)
         volume = float(self.space.one @ self.space.scalar_mass @ self.space.one)
-        return Minimiser(assembly, longest_step, energy_scale=modulus * volume, clock=self.clock)
+        return Minimiser(assembly, longest_step, energy_scale=self._moduli[1] * volume, clock=self.clock)
 
     def _steps(self) -> list[float]:
         """Return the load factors of all steps: the levels, with equal steps between them where more are asked for."""

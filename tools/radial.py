@@ -131,12 +131,25 @@ def inflated_radius(solid: RadialSolid, inner: float, outer: float, pressure: fl
     def excess(radius: float) -> float:
         return ring_with_free_rim(solid, inner, radius, outer).inner_pressure - pressure
 
-    return brentq(excess, inner, 1.8 * inner, xtol=1e-12)
+    return brentq(excess, *_bracket(excess, inner, 1.02), xtol=1e-12)
 
 
 def press_fit(inside: Ring, outside: Ring) -> NestedState:
     """K2: a ring, wider than the bore that it sits in; bore and rim bear nothing."""
-    return _touching(inside, outside, 0.0, start=inside.inner, ratio=0.99)
+
+    def at(radius: float) -> NestedState:
+        return NestedState(
+            ring_with_free_rim(inside.solid, inside.outer, radius, inside.inner),
+            ring_with_free_rim(outside.solid, outside.inner, radius, outside.outer),
+        )
+
+    def excess(radius: float) -> float:
+        state = at(radius)
+        return state.inside.outer_pressure - state.outside.inner_pressure
+
+    # An incompressible ring cannot be pressed to less than the radius at which its bore is closed.
+    closed = np.sqrt(inside.outer**2 - inside.inner**2)
+    return at(brentq(excess, max(outside.inner, 1.03 * closed), inside.outer, xtol=1e-14))
 
 
 def pulled_apart(inside: Ring, outside: Ring, rim: float) -> NestedState:

@@ -284,10 +284,15 @@ class Assembly:
         and the energy that stands for it."""
         missed, energy = 0.0, 0.0
         if self.contact is not None and state.contact is not None:
-            missed, energy = self.contact.improve(state.contact, self.positions(state.displacement))
+            positions = self.positions(state.displacement)
+
+            def stored() -> float:
+                return state.energy - self.potential(state.displacement)
+
+            missed, energy = self.contact.improve(state.contact, positions, stored)
         if self.fluid is not None:
-            off, stored = self.fluid.improve(self.expand(state.displacement))
-            missed, energy = max(missed, off), energy + stored
+            off, in_fluid = self.fluid.improve(self.expand(state.displacement))
+            missed, energy = max(missed, off), energy + in_fluid
         return missed, energy
 
     def advance(self, displacement: Array) -> None:

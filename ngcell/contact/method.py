@@ -7,6 +7,7 @@ and turned into the true pressure where it is reported.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
@@ -83,8 +84,10 @@ class ContactMethod(Protocol):
     def follow(self, other: ContactMethod, positions: Array) -> None:
         """Start from the pressures of another method at an equilibrium of its own, and forget all others."""
 
-    def improve(self, contact: ContactSet, positions: Array) -> tuple[float, float]:
-        """Learn about pressures from an equilibrium; return what it still misses of the conditions.
+    def improve(
+        self, contact: ContactSet, positions: Array, stored: Callable[[], float]
+    ) -> tuple[float, float]:
+        """Learn from an equilibrium, whose stored energy `stored` returns; return what it still misses of conditions.
 
         That is the largest gap [length], and the energy [stress * length**2] of the springs that stand for the missed
         gaps; both are 0 where there is nothing to learn.

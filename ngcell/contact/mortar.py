@@ -27,6 +27,7 @@ sharp corners, so three cells that meet at a corner have three conditions on six
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -258,7 +259,9 @@ class MortarContact:
         np.maximum.at(best, partners.point, np.where(faces & (carries | ~partners.at_end), pressure, 0.0))
         return best
 
-    def improve(self, contact: ContactSet, positions: Array) -> tuple[float, float]:
+    def improve(
+        self, contact: ContactSet, positions: Array, stored: Callable[[], float]
+    ) -> tuple[float, float]:
         """Take over the pressures of an equilibrium; return the largest gap [length] that their change stands for, and
         the energy of that change in the springs [stress * length**2]."""
         assert isinstance(contact, MortarSet)

@@ -5,11 +5,15 @@ pair are primary in turn, so that no wall is preferred, and each pass carries ha
 
 The stiffness is that of the layer of elements behind the wall, ``k = multiple * M / depth`` with the plane-strain
 modulus M of the softer body of the pair: a contact pressure p then overlaps the walls by about ``p / k``,
-which is what p does to the thickness of `1 / multiple` such layers.
+which is what p does to the thickness of `1 / multiple` such layers. Where that is not enough (a wall may be much
+stiffer than its layer, as on a filled cell or a thick ring), springs that took over from softer ones learn: at an
+equilibrium whose overlaps are too deep, or store too large a share of the energy, they are made stiffer and the
+equilibrium is sought again.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +27,13 @@ from ngcell.contact.walls import WallPoints, Walls
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+
+#: Overlap over reach, and energy of the springs over the stored one, above which springs are too soft. A certificate
+#: has the same limits. Overlaps below `NO_OVERLAP` over reach are none.
+DEEP, HIGH, NO_OVERLAP = 0.02, 0.01, 1e-7
+#: Factor by which springs that are too soft are made stiffer, and the most that all such factors make.
+STIFFEN, MOST_STIFFENED = 10.0, 1e4
+
 
 @dataclass(frozen=True, eq=False)
 class PenaltySet:
@@ -93,9 +104,15 @@ class PenaltyContact:
 
     def __init__(self, walls: Walls, stiffness: Array, reach: float) -> None:
         self.walls = walls
-        self.stiffness = stiffness
+        self._derived, self._factor = stiffness, 1.0
         self.reach = reach
+        self._learns = False
         self._search = PartnerSearch(walls, walls.stationed, reach)
+
+    @property
+    def stiffness(self) -> Array:
+        """Penalty stiffness of each wall edge, as far as it has been learned [stress / length], shape (edges,)."""
+        return self._factor * self._derived
 
     def pair(self, positions: Array) -> PenaltySet:
         """Find all partners at `positions`, unknowns of shape (2, scalar unknowns)."""
@@ -120,14 +137,25 @@ class PenaltyContact:
         return np.bincount(partners.point, -self._pairwise(partners) * np.minimum(gaps, 0), len(points.edge))
 
     def follow(self, other: ContactMethod, positions: Array) -> None:
-        """Do nothing: a penalty learns nothing."""
+        """Forget what was learned; from now on springs learn, unless they go on from themselves."""
+        self._factor, self._learns = 1.0, other is not self
 
-    def improve(self, contact: ContactSet, positions: Array) -> tuple[float, float]:
-        """Return zeros: a penalty learns nothing."""
-        return 0.0, 0.0
+    def improve(
+        self, contact: ContactSet, positions: Array, stored: Callable[[], float]
+    ) -> tuple[float, float]:
+        """Stiffen the springs if they are too soft, and return the deepest overlap then, else zeros."""
+        if not self._learns or self._factor >= MOST_STIFFENED:
+            return 0.0, 0.0
+        deepest = max(0.0, -float(contact.gaps(positions).min(initial=0.0)))
+        if deepest <= NO_OVERLAP * self.reach:
+            return 0.0, 0.0
+        if deepest <= DEEP * self.reach and contact.energy(positions) <= HIGH * stored():
+            return 0.0, 0.0
+        self._factor *= STIFFEN
+        return deepest, 0.0
 
     def hasten(self) -> None:
-        """Do nothing: a penalty learns nothing."""
+        """Do nothing: stiffer springs are learned as fast as can be."""
 
     def _pairwise(self, partners: Partners) -> Array:
         return np.minimum(self.stiffness[partners.edge], self.stiffness[partners.other])

@@ -13,7 +13,7 @@ matrix expressions.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import ngsolve
@@ -55,6 +55,10 @@ class MooneyRivlinLaw:
         """Modulus E / (1 - nu^2) of a plane-strain half-space at rest [stress]."""
         mu, kappa = self.shear_modulus, self.bulk_modulus
         return 4 * mu * (3 * kappa + mu) / (3 * kappa + 4 * mu)
+
+    def softened(self, ratio: float) -> MooneyRivlinLaw:
+        """Return the law with a bulk modulus of at most `ratio` times the shear modulus."""
+        return replace(self, bulk_modulus=min(self.bulk_modulus, ratio * self.shear_modulus))
 
     def stored_energy(self, gradient: ngsolve.CoefficientFunction) -> ngsolve.CoefficientFunction:
         """Return W [stress] of a deformation gradient, shape (3, 3), or (2, 2) for plane strain."""

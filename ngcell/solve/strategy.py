@@ -147,6 +147,9 @@ class Released:
         What pushes and pulls besides the supports.
     history : History, optional
         What the problem remembers of accepted steps.
+    is_mixed : bool
+        Whether some bodies are stiffer than others. A decrement sees forces divided by stiffness, and would end with
+        those on stiff bodies out of balance: there the last minimisation goes down to round-off.
     """
 
     apart: Minimiser
@@ -154,11 +157,12 @@ class Released:
     path: Release
     loads: Loads | None = None
     history: History | None = None
+    is_mixed: bool = False
 
     @property
     def effort(self) -> Effort:
         """What was spent so far."""
-        return sum((minimiser.effort for minimiser in self.minimisers), self.apart.effort.copy())
+        return _effort((self.apart, *self.minimisers))
 
     @property
     def longest_step(self) -> float:
@@ -181,14 +185,16 @@ class Released:
         if self.loads is not None:
             self.loads.apply(load)
         minimum = self.path.select(self.apart, self.minimisers, start, anchor)
+        tether = self.path.last_tether(anchor)
+        if self.is_mixed and minimum.ending is Ending.CONVERGED:
+            minimum = self.minimisers[-1].minimise(minimum.state.displacement, tether)
         if minimum.ending is not Ending.CONVERGED:
             raise StepFailed(Outcome.RELEASE_FAILED, load)
-        tether = self.path.last_tether(anchor)
         return Accepted("contact", load, minimum, tether, self.effort - before)
 
 
 def compact_then_released(
-    compact: Minimiser,
+    compact: Sequence[Minimiser],
     released: Released,
     motion: Motion,
     *,
@@ -201,8 +207,8 @@ def compact_then_released(
 
     Parameters
     ----------
-    compact : Minimiser
-        The compact solid.
+    compact : sequence of Minimiser
+        The compact solid, from the softest volume to the one that is meant.
     released : Released
         The released walls.
     motion : Motion
@@ -228,13 +234,13 @@ def compact_then_released(
             load, displacement = target, step.minimum.state.displacement
             yield step
         else:
-            start = compact.problem.expand(displacement)
+            start = compact[-1].problem.expand(displacement)
             anchor = motion.carried(target) if motion.has_carried_field else start
             if released.history is None:
                 yield released.step(start, anchor, target)
             else:
                 released.history.forget()
-                energy = compact.problem.at(displacement).energy
+                energy = compact[-1].problem.at(displacement).energy
                 yield _let_go(released, released.step(start, anchor, target), energy)
 
 
@@ -262,32 +268,45 @@ def _next_goal(reached: float, increment: float, target: float) -> float:
 
 
 def _compact_step(
-    compact: Minimiser,
+    compact: Sequence[Minimiser],
     motion: Motion,
     displacement: Array,
     load: float,
     target: float,
     released: Released,
 ) -> Accepted:
-    before, reached, increment, halvings = compact.effort.copy(), load, target - load, 0
+    before, reached, increment, halvings = _effort(compact), load, target - load, 0
     while True:
         goal = _next_goal(reached, increment, target)
         start = displacement + motion.carried(goal) - motion.carried(reached)
         tether = Tether(0.0, start)
         if released.loads is not None:
             released.loads.apply(goal)
-        minimum = compact.minimise(motion.imposed(start, goal), tether)
+        minimum = _compact_minimum(compact, motion.imposed(start, goal), tether)
         if minimum.ending is Ending.CONVERGED:
-            minimum = until_conditions_hold(compact, minimum, tether, released.longest_step)
+            minimum = until_conditions_hold(compact[-1], minimum, tether, released.longest_step)
         if minimum.ending is Ending.CONVERGED:
             displacement, reached = minimum.state.displacement, goal
             if reached == target:
-                return Accepted("compact", target, minimum, tether, compact.effort - before)
+                return Accepted("compact", target, minimum, tether, _effort(compact) - before)
             continue
         increment, halvings = increment / 2, halvings + 1
-        compact.effort.cutbacks += 1
+        compact[-1].effort.cutbacks += 1
         if halvings > MOST_HALVINGS:
             raise StepFailed(Outcome.COMPACT_FAILED, goal)
+
+
+def _compact_minimum(compact: Sequence[Minimiser], start: Array, tether: Tether) -> Minimum:
+    for minimiser in compact:
+        minimum = minimiser.minimise(start, tether)
+        if minimum.ending is not Ending.CONVERGED:
+            break
+        start = minimum.state.displacement
+    return minimum
+
+
+def _effort(minimisers: Sequence[Minimiser]) -> Effort:
+    return sum((minimiser.effort for minimiser in minimisers), Effort())
 
 
 def single_step(

@@ -198,7 +198,7 @@ def test_learned_pressures_are_what_the_springs_push_with(order):
     force, pushed = pair.problem.contact_force(state), contact.pressures(positions)
     far = np.setdiff1d(np.arange(len(pair.contact.multipliers)), contact.rows)
     pair.contact.multipliers[far] = 0
-    gap, energy = pair.contact.improve(contact, positions)
+    gap, energy = pair.contact.improve(contact, positions, lambda: 1.0)
     np.testing.assert_allclose(pair.contact.multipliers[contact.rows], pushed, rtol=1e-14)
     changed = (pushed - contact.pressure) / contact.stiffness
     assert gap == pytest.approx(np.abs(changed).max(), rel=1e-12)

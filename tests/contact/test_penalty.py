@@ -149,3 +149,24 @@ def test_rigid_rotation_of_the_tissue_leaves_zero_stress_and_zero_gap(order, rad
     numbers = np.zeros((len(points), 3, 3)) + np.eye(3)
     numbers[:, :2, :2] = [np.reshape(deformation(point), (2, 2)) for point in points]
     assert np.abs(LAW.cauchy_stress(numbers)).max() < 1e-12 * LAW.bulk_modulus
+
+
+def test_springs_that_took_over_from_softer_ones_stiffen_where_overlaps_are_too_deep():
+    tissue = small_tissue(1, 2)
+    meant = tissue.released.contact
+    softer = PenaltyContact(meant.walls, meant.stiffness / 10, meant.reach)
+    derived = meant.stiffness.copy()
+
+    def improved(depth: float) -> float:
+        positions = tissue.positions(tissue.body_shift(1, np.array([-depth, 0.0])))
+        return meant.improve(meant.pair(positions), positions, lambda: 1e9)[0]
+
+    assert improved(0.03 * meant.reach) == 0  # nothing was softer than these
+    at_rest = tissue.positions(tissue.body_shift(1, np.zeros(2)))
+    meant.follow(softer, at_rest)
+    assert improved(0.01 * meant.reach) == 0
+    np.testing.assert_array_equal(meant.stiffness, derived)
+    assert improved(0.03 * meant.reach) == pytest.approx(0.03 * meant.reach)
+    np.testing.assert_allclose(meant.stiffness, 10 * derived)
+    meant.follow(softer, at_rest)
+    np.testing.assert_array_equal(meant.stiffness, derived)

@@ -41,7 +41,7 @@ def released(tissue: SmallTissue, path: Release = PATH) -> Released:
 def by_sddp(tissue: SmallTissue, path: Release = PATH, *, steps: int = 1) -> list[Accepted]:
     loads = [step / steps for step in range(1, steps + 1)]
     walk = compact_then_released(
-        tissue.minimiser(tissue.compact), released(tissue, path), tissue.motion, steps=loads, levels=[1.0]
+        [tissue.minimiser(tissue.compact)], released(tissue, path), tissue.motion, steps=loads, levels=[1.0]
     )
     return list(walk)
 
@@ -124,7 +124,7 @@ def test_compact_states_come_first_and_store_more_energy():
 def test_levels_are_released_and_the_steps_between_them_are_not():
     tissue = small_tissue(1, 2, edges=1, order=1, travel=(0.02, 0.0))
     walk = compact_then_released(
-        tissue.minimiser(tissue.compact),
+        [tissue.minimiser(tissue.compact)],
         released(tissue),
         tissue.motion,
         steps=[0.25, 0.5, 0.75, 1.0],
@@ -204,7 +204,7 @@ class FakeMotion:
 
 def compact_walk(fake: FakeMinimiser) -> Iterator[Accepted]:
     released = SimpleNamespace(loads=None, longest_step=1.0)
-    return compact_then_released(fake, released, FakeMotion(), steps=[0.5, 1.0], levels=[])
+    return compact_then_released([fake], released, FakeMotion(), steps=[0.5, 1.0], levels=[])
 
 
 def incremental_walk(fake: FakeMinimiser) -> Iterator[Accepted]:

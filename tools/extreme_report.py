@@ -1,0 +1,146 @@
+"""The map of `tools.extreme`: what came of every point, why some failed, and how far the stiff answers move when perturbed."""
+
+from __future__ import annotations
+
+import math
+import os
+import platform
+from collections.abc import Iterable
+from datetime import date
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tools.extreme_causes import CAUSES
+
+if TYPE_CHECKING:
+    from tools.extreme import Row
+
+COLOURS = {"certified": "#bfe3c0", "named": "#ffe2a8", "WRONG": "#f2a6a0"}
+PER_LINE = 8
+
+
+def report(rows: list[Row], text: Path, figure: Path | None) -> None:
+    """Write the map as Markdown, and as a figure if there is a place for it."""
+    if not rows:
+        return
+    points = [row for row in rows if not row.perturbed]
+    groups: dict[str, list[Row]] = {}
+    for row in points:
+        groups.setdefault(row.group, []).append(row)
+    parts = [_head(rows), _sentences(points), _causes(points), _spread(rows), "## The map\n"]
+    parts += [_table(group, mine) for group, mine in groups.items()]
+    text.write_text("\n".join(parts))
+    if figure is not None:
+        draw(groups, figure)
+
+
+def _head(rows: list[Row]) -> str:
+    codes = ", ".join(sorted({row.code for row in rows}))
+    return (
+        f"# Stiff and extreme scenes\n\n{date.today()}, {platform.machine()}, {os.cpu_count()} cores, sources {codes}. "
+        "`python -m tools.extreme` makes this; what\nthe groups are is told in `tools/extreme_points.py`. Seconds are "
+        "those of the processor, imports and pictures included.\n"
+    )
+
+
+def _sentences(points: list[Row]) -> str:
+    solvable = [row for row in points if row.has_solution]
+    certified = [row for row in solvable if row.outcome == "certified"]
+    without = [row for row in points if not row.has_solution]
+    wrong = [row for row in points if row.outcome == "WRONG"]
+    exact = [row.error for row in certified if math.isfinite(row.error)]
+    lines = [
+        f"- {len(certified)} of {len(solvable)} points that have a solution are certified, {len(certified) / len(solvable):.1%}."
+    ]
+    if without:
+        named = sum(row.outcome == "named" for row in without)
+        lines.append(f"- {named} of {len(without)} points that have none end as a named outcome.")
+    lines.append(f"- {len(wrong)} points end wrong.")
+    if exact:
+        lines.append(
+            f"- {len(exact)} certified points have an exact answer or one that they must repeat; the largest error is "
+            f"{max(exact):.1e}."
+        )
+    return "\n".join(["## What came of them\n", *lines, ""])
+
+
+def _causes(points: list[Row]) -> str:
+    failed = [row for row in points if row.has_solution and row.outcome != "certified"]
+    if not failed:
+        return ""
+    lines = ["## Why points are not certified\n", "| point | outcome | cause |", "|---|---|---|"]
+    for row in failed:
+        why = next((why for start, why in CAUSES.items() if row.label.startswith(start)), "not looked into")
+        lines.append(f"| {row.label} | {row.outcome}: {row.cause} | {why} |")
+    return "\n".join([*lines, ""])
+
+
+def _spread(rows: list[Row]) -> str:
+    from tools.extreme import difference
+
+    by_label = {row.label: row for row in rows}
+    lines = []
+    for label in dict.fromkeys(row.perturbed for row in rows if row.perturbed):
+        mine, base = [row for row in rows if row.perturbed == label], by_label.get(label)
+        if base is None or base.outcome != "certified":
+            lines.append(f"| {label} | not certified |||||")
+            continue
+        found = {
+            row.label.rpartition("; ")[2]: _number(difference(row, base)) if row.outcome == "certified" else row.outcome
+            for row in mine
+        }
+        energies = [row.energy for row in [base, *mine] if row.outcome == "certified"]
+        spread = (max(energies) - min(energies)) / max(map(abs, energies))
+        cells = (found.get(name, "") for name in ("mesh", "steps", "penalty", "tolerance"))
+        lines.append(f"| {label} | " + " | ".join(cells) + f" | {spread:.0e} |")
+    if not lines:
+        return ""
+    head = (
+        "## How stable stiff answers are\n\nLargest relative change of energy, plate force, contact force, mean and largest "
+        "gap (of numbers below a thousandth, the\nchange in thousandths) when elements are three quarters as long, with "
+        "three times the steps, with a penalty three times\nas stiff, and when equilibria end at a decrement 10⁴ times "
+        "larger. The last column is the spread of the energy.\n\n"
+        "| point | mesh | steps | penalty | tolerance | energy |\n|---|---|---|---|---|---|"
+    )
+    return "\n".join([head, *lines, ""])
+
+
+def _table(group: str, rows: Iterable[Row]) -> str:
+    names = ("setting", "outcome", "iterations", "refused", "cut-backs", "smallest J", "condition", "overlap / wall",
+             "error", "s")  # fmt: skip
+    lines = [f"### {group}\n", "| " + " | ".join(names) + " |", "|" + "---|" * len(names)]
+    for row in rows:
+        outcome = row.outcome + (f": {row.cause}" if row.cause else "") + ("" if row.has_solution else " (has no solution)")
+        cells = (row.setting, outcome, str(row.iterations), str(row.refused), str(row.cut_backs))
+        numbers = (row.smallest_jacobian, row.condition, row.penetration, row.error, row.seconds)
+        lines.append("| " + " | ".join((*cells, *map(_number, numbers))) + " |")
+    return "\n".join([*lines, ""])
+
+
+def _number(value: float) -> str:
+    return "" if math.isnan(value) else f"{value:.2g}"
+
+
+def draw(groups: dict[str, list[Row]], path: Path) -> None:
+    """Draw a tile a point: green is certified, yellow named, red wrong; with the setting, iterations and cut-backs."""
+    from matplotlib.figure import Figure
+    from matplotlib.patches import Patch, Rectangle
+
+    lines = [(group, mine[n : n + PER_LINE]) for group, mine in groups.items() for n in range(0, len(mine), PER_LINE)]
+    figure = Figure(figsize=(13.5, 0.36 * len(lines) + 0.5), dpi=110)
+    axes = figure.add_axes((0.105, 0.0, 0.89, 0.97))
+    before = ""
+    for line, (group, mine) in enumerate(lines):
+        if group != before:
+            axes.text(-0.05, line + 0.5, group, ha="right", va="center", fontsize=8.5, weight="bold")
+        before = group
+        for place, row in enumerate(mine):
+            axes.add_patch(Rectangle((place, line), 0.97, 0.92, color=COLOURS[row.outcome]))
+            cost = f"{row.iterations} it" + (f", {row.cut_backs} cut" if row.cut_backs else "")
+            name = row.setting if row.has_solution else f"{row.setting} (no solution)"
+            axes.text(place + 0.485, line + 0.46, f"{name}\n{cost}", ha="center", va="center", fontsize=5.8)
+    axes.set(xlim=(0, PER_LINE), ylim=(len(lines), -0.1))
+    axes.axis("off")
+    legend = [Patch(color=colour, label=name) for name, colour in COLOURS.items()]
+    figure.legend(handles=legend, loc="upper right", ncols=3, frameon=False, fontsize=8.5)
+    figure.savefig(path)

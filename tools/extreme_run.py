@@ -1,0 +1,77 @@
+"""One run of `tools.extreme`, as `ngcell solve` would make it, and what the last tangent is like.
+
+    python -m tools.extreme_run CASE FOLDER [--tolerance 1.0]
+
+The result folder is that of any run. The last line of output is a number: an estimate of the condition of the last
+tangent, tether and closed springs included, in the 2-norm. `--tolerance` multiplies the decrement at which equilibria end.
+"""
+
+from __future__ import annotations
+
+import sys
+from contextlib import suppress
+from pathlib import Path
+
+import click
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh, splu
+
+import ngcell
+from ngcell.errors import NgcellError, NotConverged
+from ngcell.export import read_restart
+from ngcell.export.restart import RESTART
+from ngcell.scene import AnyCase
+from ngcell.simulation import Simulation
+from ngcell.solve import selection
+from ngcell.solve.minimise import TOUCHING
+
+
+def condition(case: AnyCase, displacement: np.ndarray) -> float:
+    """Return an estimate of the condition of the released tangent about a displacement."""
+    simulation = Simulation(case)
+    assembly, path = simulation.released, simulation.release_path
+    for load in filter(None, (simulation.blueprint.loads, simulation.blueprint.fluid)):
+        load.apply(simulation.levels[-1])
+    line = assembly.linearise(assembly.at(displacement))
+    rows, columns = assembly.pattern
+    lower = sparse.coo_array((line.stiffness, (rows, columns)), shape=assembly.mass.shape).tocsr()
+    matrix = lower + lower.T - sparse.diags_array(lower.diagonal())
+    if line.curvature is not None:
+        matrix = matrix + line.curvature
+    closed = np.where(line.gap <= TOUCHING * simulation.longest_step, line.spring, 0.0)
+    matrix = matrix + line.jacobian.T @ (sparse.diags_array(closed) @ line.jacobian)
+    matrix = matrix + path.scale * path.last * assembly.mass
+    free = np.flatnonzero(assembly.free)
+    matrix = matrix.tocsc()[free][:, free]
+    solve = LinearOperator(matrix.shape, splu(matrix).solve)
+    options = {"k": 1, "which": "LM", "tol": 0.01, "return_eigenvectors": False}
+    return abs(float(eigsh(matrix, **options)[0]) * float(eigsh(solve, **options)[0]))
+
+
+@click.command()
+@click.argument("case", type=click.Path(path_type=Path))
+@click.argument("folder", type=click.Path(path_type=Path))
+@click.option("--tolerance", default=1.0, help="Multiple of the decrement at which equilibria end.")
+def main(case: Path, folder: Path, tolerance: float) -> None:
+    """Run CASE into FOLDER."""
+    selection.AT_THE_END *= tolerance
+    last, code, scene = None, 0, ngcell.read_case(case)
+    try:
+        recording = ngcell.record(scene, folder, threads=1)
+        for _ in recording:
+            last = read_restart(folder).standing if (folder / RESTART).exists() else last
+        code = 0 if recording.certified else NotConverged.exit_code
+    except NgcellError as error:
+        click.echo(str(error), err=True)
+        code = error.exit_code
+    found = np.nan
+    if last is not None and "displacement_contact" in last:
+        with suppress(RuntimeError, ArpackError):
+            found = condition(scene, last["displacement_contact"])
+    click.echo(f"{found:.3g}")
+    sys.exit(code)
+
+
+if __name__ == "__main__":
+    main()
