@@ -263,7 +263,15 @@ class Simulation:
         history = None if self._bonds is None else self.released
         loads = self.blueprint.loads or self.blueprint.fluid
         softest, stiffest = self._moduli
-        return Released(apart, tuple(minimisers), self.release_path, loads, history, is_mixed=stiffest > softest)
+        return Released(
+            apart,
+            tuple(minimisers),
+            self.release_path,
+            loads,
+            history,
+            is_alone=self.bodies.body_count == 1,
+            is_mixed=stiffest > softest,
+        )
 
     @property
     def release_path(self) -> Release:

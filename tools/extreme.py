@@ -184,7 +184,7 @@ def main(quick: bool, timeout: float, only: str, report_only: bool) -> None:
     if report_only and file.exists():
         code = file.read_text().split("\n")[1].rpartition(",")[2]
     rows = known(file, code)
-    for point in chosen:
+    for point in sorted(chosen, key=lambda point: (not point.is_quick, bool(point.perturbed_from))):
         if report_only or point.label in rows or only not in point.label:
             continue
         rows[point.label] = row = solve(point, timeout, code)

@@ -2,7 +2,7 @@
 
     python -m tools.extreme_run CASE FOLDER [--tolerance 1.0]
 
-The result folder is that of any run. The last line of output is a number: an estimate of the condition of the last
+The result folder is that of any run, without pictures. The last line of output is a number: an estimate of the condition of the last
 tangent, tether and closed springs included, in the 2-norm. `--tolerance` multiplies the decrement at which equilibria end.
 """
 
@@ -19,7 +19,7 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh, splu
 
 import ngcell
 from ngcell.errors import NgcellError, NotConverged
-from ngcell.export import read_restart
+from ngcell.export import ResultFolder, read_restart
 from ngcell.export.restart import RESTART
 from ngcell.scene import AnyCase
 from ngcell.simulation import Simulation
@@ -56,6 +56,7 @@ def condition(case: AnyCase, displacement: np.ndarray) -> float:
 def main(case: Path, folder: Path, tolerance: float) -> None:
     """Run CASE into FOLDER."""
     selection.AT_THE_END *= tolerance
+    ResultFolder.draw = lambda *_, **__: None  # pictures take longer than many of these runs
     last, code, scene = None, 0, ngcell.read_case(case)
     try:
         recording = ngcell.record(scene, folder, threads=1)

@@ -147,6 +147,8 @@ class Released:
         What pushes and pulls besides the supports.
     history : History, optional
         What the problem remembers of accepted steps.
+    is_alone : bool
+        Whether there is one body only: it touches nothing, and no path has to be walked unless the straight way fails.
     is_mixed : bool
         Whether some bodies are stiffer than others. A decrement sees forces divided by stiffness, and would end with
         those on stiff bodies out of balance: there the last minimisation goes down to round-off.
@@ -157,6 +159,7 @@ class Released:
     path: Release
     loads: Loads | None = None
     history: History | None = None
+    is_alone: bool = False
     is_mixed: bool = False
 
     @property
@@ -184,13 +187,23 @@ class Released:
         before = self.effort
         if self.loads is not None:
             self.loads.apply(load)
-        minimum = self.path.select(self.apart, self.minimisers, start, anchor)
         tether = self.path.last_tether(anchor)
+        minimum = self._alone(start, tether) or self.path.select(self.apart, self.minimisers, start, anchor)
         if self.is_mixed and minimum.ending is Ending.CONVERGED:
             minimum = self.minimisers[-1].minimise(minimum.state.displacement, tether)
         if minimum.ending is not Ending.CONVERGED:
             raise StepFailed(Outcome.RELEASE_FAILED, load)
         return Accepted("contact", load, minimum, tether, self.effort - before)
+
+    def _alone(self, start: Array, tether: Tether) -> Minimum | None:
+        """Return the minimum of a body that is alone; None if there are more, or if none was found."""
+        if not self.is_alone:
+            return None
+        minimiser = self.minimisers[-1]
+        minimum = minimiser.minimise(start, tether)
+        if minimum.ending is Ending.CONVERGED:
+            minimum = until_conditions_hold(minimiser, minimum, tether, self.longest_step)
+        return minimum if minimum.ending is Ending.CONVERGED else None
 
 
 def compact_then_released(
