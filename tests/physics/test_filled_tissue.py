@@ -31,12 +31,12 @@ def sheared(lumen: dict[str, Any] | None, strategy: str) -> Step:
     return simulate(case)[-1]
 
 
-def test_pressure_in_confined_cells_of_any_wall_moves_nothing_and_comes_back_as_contact_pressure():
-    """K5: incompressible walls, the outer boundary held."""
-    pressure = 0.5
+@pytest.mark.parametrize(("rows", "cols", "pressure"), [(1, 7, 0.5), (3, 3, 0.005)])
+def test_pressure_in_confined_cells_of_any_wall_moves_nothing_and_comes_back_as_contact_pressure(rows, cols, pressure):
+    """K5: incompressible walls, the outer boundary held; in a row of cells no three meet at a corner."""
     case = tissue(
-        1,
-        7,
+        rows,
+        cols,
         material=WALL | {"bulk_modulus": 2e4},
         lumen={"kind": "pressure", "pressure": pressure},
         load={"kind": "frame", "shear": 0.0, "levels": 1},
