@@ -103,7 +103,7 @@ def write_page() -> None:
     for row in read_rows():
         cells = [f"{float(row[key]):.4g}" if key in numbers and row[key] else row[key] for key in columns]
         lines.append("| " + " | ".join(cells) + " |")
-    PAGE.write_text("# Certificates of the 5x7 tissue\n\n`python -m tools.certify`; last step of each run\n\n"
+    PAGE.write_text("# Certificates of the 5x7 tissue\n\n`python tools/certify.py`; the last step of each run\n\n"
                     + "\n".join(lines) + "\n", encoding="utf-8")
 
 

@@ -33,10 +33,10 @@ RAISE, NUDGE, LOWER = 8.0, 2.0, 0.1
 FELT, UNFELT = 0.1, 1e-4
 #: Differences of energies below this share of the energy are round-off; so are decrements below `NO_DECREMENT`.
 ROUND_OFF, NO_DECREMENT = 1e-13, 1e-18
-#: A decrement below this share of the energy that no longer falls below those before is round-off of forces.
-STALLED = 1e-12
-#: Iterations of which the same is said of shifted steps: at a kink, as where corners pass, no step goes without a shift.
-CHATTER = 3
+#: A decrement below this share of the energy, or below so many times its round-off at rest, is lost once as many
+#: iterations as `IDLE` left it at its lowest: forces are round-off, or steps go to and fro at a kink of the energy, as
+#: where walls end at a corner of three cells. Fewer do not tell: where cells roll, it rests before it falls again.
+STALLED, UNSEEN, IDLE = 1e-12, 10.0, 5
 #: Gap, as a share of the longest step, below which a prediction keeps walls closed.
 TOUCHING = 1e-6
 #: Round-off of an energy at rest, as a share of the scale: there it is a difference of numbers of order one.
@@ -132,7 +132,7 @@ class Minimiser:
     def minimise(self, start: Array, tether: Tether, tolerance: float = 0.0) -> Minimum:
         """Descend from `start` until the Newton decrement is below `tolerance` [energy], or lost in round-off."""
         state, shift, decrement = self._at(start), 0.0, float("inf")
-        lowest, stalls = decrement, 0
+        lowest, idle = decrement, 0
         if not np.isfinite(state.energy):
             return Minimum(state, Ending.NO_ENERGY, decrement)
         for _ in range(self.most_iterations):
@@ -141,11 +141,14 @@ class Minimiser:
             if advance is None:
                 return Minimum(state, Ending.NO_DESCENT, decrement)
             state, shift, decrement = advance.state, advance.shift, advance.decrement
-            stalls = stalls + 1 if self._stalls(state, lowest, decrement) else 0
-            is_newton = advance.shift_used == 0
-            if is_newton and (decrement <= tolerance or stalls or self._is_lost(state, decrement)) or stalls > CHATTER:
+            if advance.shift_used == 0 and (decrement <= tolerance or self._is_lost(state, decrement)):
                 return Minimum(state, Ending.CONVERGED, decrement)
-            lowest = min(lowest, decrement)
+            if decrement < lowest / 4:
+                lowest, idle = decrement, 0
+            elif decrement <= 4 * lowest:
+                idle += 1
+            if idle == IDLE and lowest <= max(STALLED * abs(state.energy), UNSEEN * NOISE * self.energy_scale):
+                return Minimum(state, Ending.CONVERGED, decrement)
         return Minimum(state, Ending.TOO_MANY_ITERATIONS, decrement)
 
     def predict(self, displacement: Array, imposed: Array, weight: float) -> Array:
@@ -181,10 +184,6 @@ class Minimiser:
     def _is_lost(self, state: State, decrement: float) -> bool:
         """Return whether a decrement is round-off of the energy."""
         return decrement <= max(NO_DECREMENT * abs(state.energy), NO_DECREMENT**1.5 * self.energy_scale)
-
-    def _stalls(self, state: State, lowest: float, decrement: float) -> bool:
-        """Return whether a decrement, and the lowest one before it, are round-off of forces."""
-        return lowest <= 4 * decrement and max(lowest, decrement) <= STALLED * abs(state.energy)
 
     def _at(self, displacement: Array) -> State:
         self.effort.evaluations += 1
