@@ -13,9 +13,9 @@ named
 WRONG
     Anything else: an answer that looks right and is not, a number that is none, a traceback.
 
-Rows are kept in `tools/results/extreme.csv`; a point that has its row there, made by the same sources of the package, is
-not repeated, so that a run that was stopped goes on. At the end `extreme.md` beside it tells what came of every point, and
-`docs/extreme.png` shows it; `--quick` writes to `extreme-quick.csv` and `.md`, and no figure.
+Rows are kept in `tools/results/extreme.csv`; a point that has its row there, made by the same sources of the package,
+is not repeated, so that a run that was stopped goes on. At the end `extreme.md` beside it tells what came of every
+point, and `docs/extreme.png` shows it; `--quick` writes to `extreme-quick.csv` and `.md`, and no figure.
 """
 
 from __future__ import annotations
@@ -44,7 +44,13 @@ RUNS = Path(tempfile.gettempdir()) / "ngcell-extreme"
 
 CERTIFIED, NAMED, WRONG = "certified", "named", "WRONG"
 #: Columns of `history.csv` that are compared between points that must agree, with their powers of length and stress.
-COMPARED = {"energy": (2, 1), "plate_force_x": (1, 1), "contact_force": (1, 1), "mean_gap": (1, 0), "largest_gap": (1, 0)}
+COMPARED = {
+    "energy": (2, 1),
+    "plate_force_x": (1, 1),
+    "contact_force": (1, 1),
+    "mean_gap": (1, 0),
+    "largest_gap": (1, 0),
+}
 #: Largest difference that counts as agreement, in units of the compared number and at least of a thousandth of a side.
 AGREEMENT = 1e-8
 
@@ -173,7 +179,7 @@ def write(file: Path, rows: Sequence[Row]) -> None:
 @click.option("--quick", is_flag=True, help="Forty points, and no figure.")
 @click.option("--timeout", default=120.0, show_default=True, help="Seconds on the clock for one run.")
 @click.option("--only", default="", help="Points whose label has this text.")
-@click.option("--report-only", is_flag=True, help="Write table and figure of the rows that are there, whatever made them.")
+@click.option("--report-only", is_flag=True, help="Write table and figure of the rows that are there.")
 def main(quick: bool, timeout: float, only: str, report_only: bool) -> None:
     """Run the points that have no row yet, and report."""
     from tools.extreme_report import report
@@ -192,7 +198,8 @@ def main(quick: bool, timeout: float, only: str, report_only: bool) -> None:
         click.echo(f"{row.outcome:9}  {row.seconds:6.1f} s  {row.label}  {row.cause}", err=True)
         write(file, list(rows.values()))
     found = [rows[point.label] for point in chosen if point.label in rows]
-    report(found, file.with_suffix(".md"), None if quick else ROOT / "docs" / "extreme.png")
+    asked = sum(not point.perturbed_from for point in chosen)
+    report(found, asked, file.with_suffix(".md"), None if quick else ROOT / "docs" / "extreme.png")
 
 
 if __name__ == "__main__":

@@ -10,14 +10,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import log, sqrt
-from typing import Any
 
-Case = dict[str, Any]
+from tools.extreme_scenes import MORTAR, PENALTY, WRONG, Case, blocks, burst, height, material, rings, tissue
 
-#: Deviation from an exact answer above which a certified result counts as wrong. Meshes of these scenes are coarse.
-WRONG = 0.02
-
-PENALTY, MORTAR = {"kind": "penalty"}, {"kind": "mortar"}
 METHODS = {"penalty": PENALTY, "mortar": MORTAR}
 
 #: Points whose answer is perturbed.
@@ -142,7 +137,7 @@ def points() -> list[Point]:
 
 
 def perturbations(point: Point) -> Iterator[Point]:
-    """Yield the point with a finer mesh, with three times the steps, with a stiffer penalty, and less exactly solved."""
+    """Yield the point with a finer mesh, with three times the steps, a stiffer penalty, and less exactly solved."""
     changes = {"mesh": _finer, "steps": _with_more_steps, "penalty": _with_stiffer_penalty}
     for name, change in changes.items():
         if name == "penalty" and _has_mortar(point):
@@ -186,111 +181,6 @@ def _with_stiffer_penalty(point: Point) -> Case:
     return point.case | {"contact": contact | {"stiffness": 3 * contact.get("stiffness", 1.0)}}
 
 
-def material(modulus: float = 2.0, bulk: float = 50.0, share: float = 0.5) -> Case:
-    """A solid of this shear modulus, of this ratio of bulk to shear modulus, and with this share of c2 in the latter."""
-    return {
-        "kind": "mooney-rivlin",
-        "c1": (1 - share) * modulus,
-        "c2": share * modulus,
-        "bulk_modulus": bulk * modulus,
-    }
-
-
-def tissue(
-    rows: int = 2, cols: int = 2, wall: float = 0.1, *, move: tuple[float, float] = (0.3, 0.0), levels: Any = 1,
-    contact: Case = PENALTY, **more: Any,
-) -> Case:  # fmt: skip
-    """A tissue between plates."""
-    case: Case = {
-        "tissue": {"rows": rows, "cols": cols, "wall": wall},
-        "material": material(),
-        "load": {"kind": "plates", "displacement": list(move), "levels": levels},
-        "contact": dict(contact),
-    }
-    return case | more
-
-
-def height(rows: int) -> float:
-    """Distance of the plates of a tissue of this many rows of sides 1."""
-    return 1.5 * (rows - 1) + 2.0
-
-
-def rings(
-    bore: float, rim: float = 1.5, *, pressure: float | None = None, moduli: tuple[float, float] = (1.0, 1.0),
-    bulk: float = 1000.0, contact: Case = MORTAR, levels: Any = 1, order: int = 3, **more: Any,
-) -> Case:  # fmt: skip
-    """Quarters of a ring [0.5, 1] in a ring [bore, rim], pressed together by shape or by a pressure inside; exact."""
-    from tools import radial
-
-    solids = [radial.RadialSolid(modulus / 2, modulus / 2, bulk * modulus) for modulus in moduli]
-    inside, outside = radial.Ring(solids[0], 0.5, 1.0), radial.Ring(solids[1], bore, rim)
-    exact = radial.press_fit(inside, outside) if pressure is None else radial.closing(inside, outside, pressure)
-    between = ["ring_outer", "hub_inner"]
-    expected: list[Case] = [{"quantity": "mean_radius", "boundary": "ring_outer", "value": float(exact.inside.outer)}]
-    if exact.gap < 1e-9:
-        expected.append(
-            {"quantity": "contact_pressure", "between": between, "value": float(exact.contact_pressure)}
-        )
-    else:
-        expected.append({"quantity": "gap", "between": between, "value": float(exact.gap)})
-    return {
-        "levels": levels,
-        "bodies": [
-            _quarter("ring", 0.5, 1.0, 0.2, ["outer"], material(moduli[0], bulk)),
-            _quarter("hub", bore, rim, 0.24, ["inner"], material(moduli[1], bulk)),
-        ],
-        "supports": [_sliding(body, side) for body in ("ring", "hub") for side in "xy"],
-        "loads": [] if pressure is None else [{"kind": "pressure", "boundary": "ring_inner", "value": pressure}],
-        "contact": dict(contact),
-        "mesh": {"order": order},
-        "expected": [entry | {"tolerance": WRONG, "origin": "tools/radial.py"} for entry in expected],
-    } | more
-
-
-def burst(pressure: float) -> Case:
-    """A ring [0.5, 1] under a pressure that no radius balances, and far around it one that it may not touch."""
-    far = rings(4.0, 4.5, pressure=0.1, levels=2, expected=[])
-    walls = {"ring": ["outer"], "hub": []}
-    return far | {
-        "bodies": [body | {"walls": walls[body["name"]]} for body in far["bodies"]],
-        "loads": [{"kind": "pressure", "boundary": "ring_inner", "value": pressure}],
-    }
-
-
-def _quarter(name: str, inner: float, outer: float, size: float, walls: list[str], solid: Case) -> Case:
-    return {
-        "name": name, "kind": "ring", "inner": inner, "outer": outer, "part": "upper-right", "size": size,
-        "walls": walls, "material": solid,
-    }  # fmt: skip
-
-
-def _sliding(body: str, axis: str) -> Case:
-    return {"boundary": f"{body}_{axis}0", "components": axis}
-
-
-def blocks(
-    moduli: tuple[float, float] = (1.0, 1.0), *, down: float = 0.2, gap: float = 0.0, contact: Case = MORTAR,
-    sizes: tuple[float, float] = (0.25, 0.19), bulk: float = 50.0, width: float = 1.0, **more: Any,
-) -> Case:  # fmt: skip
-    """A block on a block, pressed together; their sides are free."""
-    case: Case = {
-        "levels": 1,
-        "bodies": [
-            {"name": "base", "kind": "block", "low": [0.0, 0.0], "high": [1.0, 1.0], "size": sizes[0],
-             "material": material(moduli[0], bulk)},
-            {"name": "top", "kind": "block", "low": [0.5 - width / 2, 1.0 + gap], "high": [0.5 + width / 2, 1.0 + gap + width],
-             "size": sizes[1] * width, "material": material(moduli[1], bulk)},
-        ],
-        "supports": [
-            {"boundary": "base_bottom"},
-            {"boundary": "top_top", "shift": [0.0, -down - gap]},
-        ],
-        "contact": dict(contact),
-        "mesh": {"order": 2},
-    }  # fmt: skip
-    return case | more
-
-
 def thin_and_thick_walls() -> Iterator[Point]:
     """Wall over side."""
     for wall in (0.01, 0.02, 0.05, 0.2, 0.35, 0.5):
@@ -315,7 +205,11 @@ def stiff_fillings() -> Iterator[Point]:
     for ratio in (1e-4, 1e-2, 1.0, 1e2, 1e4):
         for name, contact in METHODS.items():
             filling = {"kind": "inclusion", "material": material(2.0 * ratio)}
-            yield Point("inclusion / wall", f"{ratio:.0e}, {name}", partial(tissue, move=(0.05, 0.0), contact=contact, lumen=filling))
+            yield Point(
+                "inclusion / wall",
+                f"{ratio:.0e}, {name}",
+                partial(tissue, move=(0.05, 0.0), contact=contact, lumen=filling),
+            )
     for bulk in (1e4, 1e6):
         filling = {"kind": "inclusion", "material": material(0.2, bulk)}
         yield Point("inclusion / wall", f"0.1 with bulk / shear {bulk:.0e}", partial(tissue, lumen=filling))
@@ -377,13 +271,13 @@ def swollen() -> Iterator[Point]:
         case = partial(rings, 4.0, 4.5, pressure=share * limit, levels=2)
         yield Point("cell pressure", f"{share:g} of a ring's limit", case)
     for share in (1.1, 2.0, 10.0):
-        yield Point(
-            "cell pressure", f"{share:g} of a ring's limit", partial(burst, share * limit), has_solution=False
-        )
+        yield Point("cell pressure", f"{share:g} of a ring's limit", partial(burst, share * limit), has_solution=False)
     for pressure in (0.02, 0.1):
         for name, contact in METHODS.items():
             lumen = {"kind": "pressure", "pressure": pressure, "ramp": "first"}
-            yield Point("cell pressure", f"tissue {pressure:g}, {name}", partial(tissue, contact=contact, lumen=lumen, levels=2))
+            yield Point(
+                "cell pressure", f"tissue {pressure:g}, {name}", partial(tissue, contact=contact, lumen=lumen, levels=2)
+            )
     # Free walls of the outer cells bear about mu times wall over radius, 0.2, and no more.
     for pressure in (0.5, 2.0):
         lumen = {"kind": "pressure", "pressure": pressure}
@@ -395,7 +289,13 @@ def swollen() -> Iterator[Point]:
     for pressure in (0.2, 5.0, 50.0):
         # Held all around, walls between cells of one pressure bear it without bending.
         walls = 5 * 1.0
-        exact = {"level": 1.0, "quantity": "contact_force", "value": walls * pressure, "tolerance": WRONG, "origin": "K5"}
+        exact = {
+            "level": 1.0,
+            "quantity": "contact_force",
+            "value": walls * pressure,
+            "tolerance": WRONG,
+            "origin": "K5",
+        }
         case = partial(
                 tissue, lumen={"kind": "pressure", "pressure": pressure}, material=material(bulk=1e4), contact=MORTAR,
             load={"kind": "frame", "shear": 0.0, "levels": 1}, expected=[exact],
@@ -415,15 +315,14 @@ def units() -> Iterator[Point]:
     """The same tissue in other units of length and stress."""
     for name, contact in METHODS.items():
         for word, length, stress in (
-            ("m and Pa", 1.0, 1.0), ("um and MPa", 1e6, 1e-6), ("km and GPa", 1e-3, 1e-9), ("m and Pa of um and MPa", 1e-6, 1e6),
+            ("m and Pa", 1.0, 1.0), ("um and MPa", 1e6, 1e-6), ("km and GPa", 1e-3, 1e-9),
+            ("m and Pa of um and MPa", 1e-6, 1e6),
         ):  # fmt: skip
             cells = {"rows": 2, "cols": 2, "side": length, "wall": 0.1 * length}
             case = partial(
                 tissue, move=(0.3 * length, 0.0), contact=contact, material=material(2.0 * stress), tissue=cells
             )
-            yield Point(
-                "units", f"{word}, {name}", case, same_as=f"m and Pa, {name}", units=(length, stress)
-            )
+            yield Point("units", f"{word}, {name}", case, same_as=f"m and Pa, {name}", units=(length, stress))
 
 
 def overlaps_and_gaps() -> Iterator[Point]:
@@ -445,7 +344,9 @@ def bad_meshes() -> Iterator[Point]:
     for size, layers in ((1.0, 1), (1.0, 8), (0.5, 16), (0.02, 1)):
         for name, contact in METHODS.items():
             mesh = {"size": size, "layers": layers, "order": 2}
-            yield Point("mesh", f"size {size:g}, {layers} layers, {name}", partial(tissue, 1, 2, contact=contact, mesh=mesh))
+            yield Point(
+                "mesh", f"size {size:g}, {layers} layers, {name}", partial(tissue, 1, 2, contact=contact, mesh=mesh)
+            )
     for size in (1e-2, 1e-3):
         for name, contact in METHODS.items():
             mesh = {"order": 2, "refine": [{"at": [1.0, 1.0], "within": size, "size": size / 2}]}
@@ -478,7 +379,13 @@ def there_and_back() -> Iterator[Point]:
     """The load taken back: no energy is left."""
     for strategy in ("sddp", "single-step"):
         for name, contact in METHODS.items():
-            rest = {"level": 0.0, "quantity": "energy", "value": 0.0, "tolerance": 1e-10, "origin": "no law of debonding"}
+            rest = {
+                "level": 0.0,
+                "quantity": "energy",
+                "value": 0.0,
+                "tolerance": 1e-10,
+                "origin": "no law of debonding",
+            }
             case = partial(
                 tissue, 2, 2, move=(sqrt(3), 0.0), levels=[0.5, 1.0, 0.5, 0.0], contact=contact, mesh={"order": 2},
                 strategy={"kind": strategy}, expected=[rest],

@@ -1,4 +1,4 @@
-"""The map of `tools.extreme`: what came of every point, why some failed, and how far the stiff answers move when perturbed."""
+"""The map of `tools.extreme`: what came of every point, why, and how far stiff answers move when perturbed."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ COLOURS = {"certified": "#bfe3c0", "named": "#ffe2a8", "WRONG": "#f2a6a0"}
 PER_LINE = 8
 
 
-def report(rows: list[Row], text: Path, figure: Path | None) -> None:
+def report(rows: list[Row], asked: int, text: Path, figure: Path | None) -> None:
     """Write the map as Markdown, and as a figure if there is a place for it."""
     if not rows:
         return
@@ -27,7 +27,7 @@ def report(rows: list[Row], text: Path, figure: Path | None) -> None:
     groups: dict[str, list[Row]] = {}
     for row in points:
         groups.setdefault(row.group, []).append(row)
-    parts = [_head(rows), _sentences(points), _causes(points), _spread(rows), "## The map\n"]
+    parts = [_head(rows), _sentences(points, asked), _causes(points), _spread(rows), "## The map\n"]
     parts += [_table(group, mine) for group, mine in groups.items()]
     text.write_text("\n".join(parts))
     if figure is not None:
@@ -43,15 +43,18 @@ def _head(rows: list[Row]) -> str:
     )
 
 
-def _sentences(points: list[Row]) -> str:
+def _sentences(points: list[Row], asked: int) -> str:
     solvable = [row for row in points if row.has_solution]
     certified = [row for row in solvable if row.outcome == "certified"]
     without = [row for row in points if not row.has_solution]
     wrong = [row for row in points if row.outcome == "WRONG"]
     exact = [row.error for row in certified if math.isfinite(row.error)]
     lines = [
-        f"- {len(certified)} of {len(solvable)} points that have a solution are certified, {len(certified) / len(solvable):.1%}."
+        f"- {len(certified)} of {len(solvable)} points that have a solution are certified, "
+        f"{len(certified) / len(solvable):.1%}.",
     ]
+    if len(points) < asked:
+        lines.insert(0, f"- {len(points)} of {asked} points have been run.")
     if without:
         named = sum(row.outcome == "named" for row in without)
         lines.append(f"- {named} of {len(without)} points that have none end as a named outcome.")
@@ -96,10 +99,11 @@ def _spread(rows: list[Row]) -> str:
     if not lines:
         return ""
     head = (
-        "## How stable stiff answers are\n\nLargest relative change of energy, plate force, contact force, mean and largest "
-        "gap (of numbers below a thousandth, the\nchange in thousandths) when elements are three quarters as long, with "
-        "three times the steps, with a penalty three times\nas stiff, and when equilibria end at a decrement 10⁴ times "
-        "larger. The last column is the spread of the energy.\n\n"
+        "## How stable stiff answers are\n\n"
+        "Largest relative change of energy, plate force, contact force, mean and largest gap (of numbers below a\n"
+        "thousandth, the change in thousandths) when elements are three quarters as long, with three times the steps,\n"
+        "with a penalty three times as stiff, and when equilibria end at a decrement 10⁴ times larger. The last\n"
+        "column is the spread of the energy.\n\n"
         "| point | mesh | steps | penalty | tolerance | energy |\n|---|---|---|---|---|---|"
     )
     return "\n".join([head, *lines, ""])
@@ -110,7 +114,9 @@ def _table(group: str, rows: Iterable[Row]) -> str:
              "error", "s")  # fmt: skip
     lines = [f"### {group}\n", "| " + " | ".join(names) + " |", "|" + "---|" * len(names)]
     for row in rows:
-        outcome = row.outcome + (f": {row.cause}" if row.cause else "") + ("" if row.has_solution else " (has no solution)")
+        outcome = (
+            row.outcome + (f": {row.cause}" if row.cause else "") + ("" if row.has_solution else " (has no solution)")
+        )
         cells = (row.setting, outcome, str(row.iterations), str(row.refused), str(row.cut_backs))
         numbers = (row.smallest_jacobian, row.condition, row.penetration, row.error, row.seconds)
         lines.append("| " + " | ".join((*cells, *map(_number, numbers))) + " |")

@@ -2,8 +2,9 @@
 
     python -m tools.extreme_run CASE FOLDER [--tolerance 1.0]
 
-The result folder is that of any run, without pictures. The last line of output is a number: an estimate of the condition of the last
-tangent, tether and closed springs included, in the 2-norm. `--tolerance` multiplies the decrement at which equilibria end.
+The result folder is that of any run, without pictures. The last line of output is a number: an estimate of the
+condition of the last tangent, tether and closed springs included, in the 2-norm. `--tolerance` multiplies the decrement
+at which equilibria end.
 """
 
 from __future__ import annotations

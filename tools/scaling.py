@@ -285,11 +285,15 @@ def ratios(found: dict[str, dict[str, float]]) -> dict[str, float]:
 def report(found: dict[str, dict[str, float]], path: Path) -> None:
     """Write figures beside aims, and what they follow from."""
     figures = ratios(found)
-    lines = [f"# What runs cost\n\n{date.today()}, {os.cpu_count()} cores. `python -m tools.scaling --large` makes this.\n"]
+    lines = [
+        f"# What runs cost\n\n{date.today()}, {os.cpu_count()} cores. `python -m tools.scaling --large` makes this.\n"
+    ]
     lines += ["| figure | measured | aim | |", "|---|---|---|---|"]
     for name, (word, aim) in AIMS.items():
         if name in figures:
-            lines.append(f"| {name} | {figures[name]:.3g} | {word} {aim:g} | {'held' if figures[name] <= aim else 'missed'} |")
+            lines.append(
+                f"| {name} | {figures[name]:.3g} | {word} {aim:g} | {'held' if figures[name] <= aim else 'missed'} |"
+            )
     for name, numbers in found.items():
         lines += ["", f"## {name}", "", "| " + " | ".join(numbers) + " |", "|" + "---|" * len(numbers)]
         lines.append("| " + " | ".join(f"{value:.4g}" for value in numbers.values()) + " |")
