@@ -100,7 +100,8 @@ def write_page() -> None:
     }  # fmt: skip
     numbers = {"energy", "plate_force_x", "mean_gap"}
     lines = ["| " + " | ".join(columns.values()) + " |", "|" + "---|" * len(columns)]
-    for row in read_rows():
+    order = [(case, settings, strategy) for case, settings, both in listed() for strategy in both]
+    for row in sorted(read_rows(), key=lambda row: order.index(tuple(row[key] for key in KEYS))):
         cells = [f"{float(row[key]):.4g}" if key in numbers and row[key] else row[key] for key in columns]
         lines.append("| " + " | ".join(cells) + " |")
     PAGE.write_text("# Certificates of the 5x7 tissue\n\n`python tools/certify.py`; the last step of each run\n\n"

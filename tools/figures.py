@@ -101,7 +101,7 @@ def run_of(tissue: str, case: str, setting: str, strategy: str) -> Run:
     rows, cols, displacement = TISSUES[tissue]
     scene = [f"tissue.rows={rows}", f"tissue.cols={cols}", f"load.displacement=[{displacement}, 0.0]"]
     scene = scene if tissue == "3x3" else []  # the shipped cases are the larger tissue
-    levels = LEVELS if strategy == "sddp" else "[0.03125, 0.125, 0.5, 1.0]"
+    levels = LEVELS if strategy == "sddp" else "[0.0625, 0.125, 0.25, 1.0]"
     entries = (*setting.split("; "), *scene, f"strategy.kind={strategy}", f"load.levels={levels}")
     return Run(case, tuple(entry for entry in entries if entry))
 
