@@ -39,12 +39,13 @@ def contact_ladder(
         Distance up to which walls are paired [length].
     """
 
-    def penalty(multiple: float) -> ContactMethod:
-        return PenaltyContact(walls, penalty_stiffness(walls, modulus_of_body, multiple), reach)
+    def penalty(multiple: float, *, may_learn: bool = True) -> ContactMethod:
+        return PenaltyContact(walls, penalty_stiffness(walls, modulus_of_body, multiple), reach, may_learn=may_learn)
 
     if isinstance(choice, Mortar):
         stiffness = penalty_stiffness(walls, modulus_of_body, MORTAR_MULTIPLE)
-        return penalty(PATH_MULTIPLE), penalty(HANDOVER_MULTIPLE), MortarContact(walls, stiffness, reach)
+        handover = penalty(HANDOVER_MULTIPLE, may_learn=False)
+        return penalty(PATH_MULTIPLE), handover, MortarContact(walls, stiffness, reach)
     meant = PENALTY_MULTIPLE * choice.stiffness
     return tuple(penalty(multiple) for multiple in (*_softer(meant), meant))
 

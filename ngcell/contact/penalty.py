@@ -100,13 +100,15 @@ class PenaltyContact:
         Penalty stiffness of each wall edge [stress / length]; a pair takes the softer one.
     reach : float
         Distance up to which walls are paired [length].
+    may_learn : bool
+        Whether springs that turn out too soft are made stiffer.
     """
 
-    def __init__(self, walls: Walls, stiffness: Array, reach: float) -> None:
+    def __init__(self, walls: Walls, stiffness: Array, reach: float, *, may_learn: bool = True) -> None:
         self.walls = walls
         self._derived, self._factor = stiffness, 1.0
         self.reach = reach
-        self._learns = False
+        self._may_learn, self._learns = may_learn, False
         self._search = PartnerSearch(walls, walls.stationed, reach)
 
     @property
@@ -138,7 +140,7 @@ class PenaltyContact:
 
     def follow(self, other: ContactMethod, positions: Array) -> None:
         """Forget what was learned; from now on springs learn, unless they go on from themselves."""
-        self._factor, self._learns = 1.0, other is not self
+        self._factor, self._learns = 1.0, self._may_learn and other is not self
 
     def improve(
         self, contact: ContactSet, positions: Array, stored: Callable[[], float]

@@ -49,7 +49,7 @@ ON_THE_WAY, AT_THE_END = 0.01, 1e-10
 UPDATE = 0.1
 #: Share of the longest step by which conditions of contact and fluids may be missed at the end, and the most updates
 #: to get there.
-CONDITION, MOST_UPDATES = 1e-11, 40
+CONDITION, MOST_UPDATES = 1e-12, 40
 #: Share of what was missed before above which an update was slow.
 SLOW = 0.25
 #: Share of the energy that is nothing: a decrement on the way, or what is missed where updates hardly help, as slivers
