@@ -37,7 +37,8 @@ def test_reactions_balance_the_contact_forces(passage):
 
 
 def test_walls_overlap_by_no_more_than_the_penalty_lets_them(passage):
-    """The peak of the pressure is near its mean, and outlines as polygons tell the same depth."""
+    """The peak of the pressure is near its mean, and outlines as polygons, six chords an edge, tell the same depth."""
+    sagitta = (0.1 / 6) ** 2 / (8 * 0.5)
     for state in passage:
         contact, walls = state.accepted.minimum.state.contact, state.rig.assembly.contact.walls
         gap, _ = state.contact_points()
@@ -46,7 +47,7 @@ def test_walls_overlap_by_no_more_than_the_penalty_lets_them(passage):
         stiffness = (2 * contact.stiffness / contact.kinematics.partners.weight)[closed].min()
         mean_pressure = np.linalg.norm(state.contact_forces.on_body[0]) / length
         assert -gap.min() < 2.5 * mean_pressure / stiffness
-        assert deepest_overlap(walls, walls.nodes(state.positions)) == pytest.approx(-gap.min(), rel=0.1)
+        assert deepest_overlap(walls, walls.nodes(state.positions)) == pytest.approx(-gap.min(), rel=0.1, abs=sagitta)
         assert -gap.min() < 0.05 * state.rig.bodies.thickness
 
 
