@@ -136,8 +136,9 @@ def main(
                 append(table, line)
                 click.echo(f"{line.get('seconds', ''):>8} s  {line['run']}  {line['outcome']}", err=True)
     done = rows_in(table, code)
-    rows = [done[setting.label] for setting in [*grid(quick), *peers.settings(quick)] if setting.label in done]
-    report(rows, RESULTS / ("study-quick.md" if quick else "study.md"), None if quick else DOCS)
+    every = [*grid(quick), *peers.settings(quick)]
+    rows = [done[setting.label] for setting in every if setting.label in done]
+    report(rows, len(every), RESULTS / ("study-quick.md" if quick else "study.md"), None if quick else DOCS)
 
 
 def solved_here(setting: Setting) -> dict[str, Any]:

@@ -24,7 +24,7 @@ PEERS, ASKED_OF_PEERS = ("naive", "calculix"), ("press-fit", "above")
 STYLES = {1: ":", 2: "--", 3: "-", 4: "-."}
 
 
-def report(rows: list[Row], text: Path, figures: Path | None) -> None:
+def report(rows: list[Row], asked: int, text: Path, figures: Path | None) -> None:
     """Write the tables, and the figures if there is a folder for them."""
     if not rows:
         return
@@ -33,7 +33,7 @@ def report(rows: list[Row], text: Path, figures: Path | None) -> None:
     tissues = [row for row in solved if row["kind"] == "tissue"]
     single = [row for row in tissues if "shear" not in row["problem"]]
     against_finest, references = against_own_finest(single)
-    parts = [head(rows), sentences(exact, against_finest)]
+    parts = [head(rows, asked), sentences(exact, against_finest)]
     parts += [markdown(rates(exact), "Exact problems: relative errors and rates")]
     if any(row["kind"] in PEERS for row in rows):
         parts += [markdown(peers_table(rows), "Peers beside this package on the same mesh: largest relative error")]
@@ -54,13 +54,14 @@ def report(rows: list[Row], text: Path, figures: Path | None) -> None:
         work_precision(exact, against_finest, figures / "study-work-precision.png")
 
 
-def head(rows: list[Row]) -> str:
+def head(rows: list[Row], asked: int) -> str:
     """Say when, where and by what."""
-    codes = ", ".join(sorted({f"{row['commit']} (sources {row['code']})" for row in rows}))
+    codes = ", ".join(sorted({f"{row['commit']} (sources {row['code']})".strip() for row in rows}))
     machine = f"{platform.machine()}, {os.cpu_count()} cores, {_processor()}"
     return (
         f"# Error against run time\n\n{date.today()}, {machine}; package at {codes}. Seconds are those of one\n"
-        "processor, imports and measurements aside. `python -m tools.study` makes this.\n"
+        "processor, imports and measurements aside. `python -m tools.study` makes this;\n"
+        f"{len(rows)} of its {asked} runs are here.\n"
     )
 
 
@@ -257,6 +258,7 @@ def work_precision(exact: list[Row], tissues: list[Row], path: Path) -> None:
 
     mpl.use("Agg")
     import matplotlib.pyplot as plt
+    from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
     panels = {name: choices(rows) for name, rows in groups_of(exact, tissues).items()}
     panels = {name: lines for name, lines in panels.items() if lines}
@@ -275,6 +277,9 @@ def work_precision(exact: list[Row], tissues: list[Row], path: Path) -> None:
         axis.loglog(seconds, error, "ks", mfc="none", ms=9, label="Pareto front")
         axis.set(xlabel="processor seconds", ylabel="largest relative error", title=name)
         axis.grid(alpha=0.3)
+        axis.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.xaxis.set_major_formatter(ScalarFormatter())
+        axis.xaxis.set_minor_formatter(NullFormatter())
     for axis in list(axes.flat)[len(panels) :]:
         axis.set_visible(False)
     legends = [axis.get_legend_handles_labels() for axis in axes.flat]
