@@ -39,7 +39,7 @@ def _head(rows: list[Row]) -> str:
     return (
         f"# Stiff and extreme scenes\n\n{date.today()}, {platform.machine()}, {os.cpu_count()} cores, sources {codes}. "
         "`python -m tools.extreme` makes this; what\nthe groups are is told in `tools/extreme_points.py`. Seconds are "
-        "those of the processor, imports and pictures included.\n"
+        "those of the processor, imports included.\n"
     )
 
 
@@ -54,7 +54,7 @@ def _sentences(points: list[Row], asked: int) -> str:
         f"{len(certified) / len(solvable):.1%}.",
     ]
     if len(points) < asked:
-        lines.insert(0, f"- {len(points)} of {asked} points have been run.")
+        lines.insert(0, f"- {len(points)} of {asked} points were run, quick ones first; the rest may be worse.")
     if without:
         named = sum(row.outcome == "named" for row in without)
         lines.append(f"- {named} of {len(without)} points that have none end as a named outcome.")

@@ -103,7 +103,8 @@ def blocks(
             {"name": "base", "kind": "block", "low": [0.0, 0.0], "high": [1.0, 1.0], "size": sizes[0],
              "material": material(moduli[0], bulk)},
             {"name": "top", "kind": "block", "low": [0.5 - width / 2, 1.0 + gap],
-             "high": [0.5 + width / 2, 1.0 + gap + width], "size": sizes[1] * width, "material": material(moduli[1], bulk)},
+             "high": [0.5 + width / 2, 1.0 + gap + width], "size": sizes[1] * width,
+             "material": material(moduli[1], bulk)},
         ],
         "supports": [
             {"boundary": "base_bottom"},

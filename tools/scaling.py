@@ -3,14 +3,13 @@
     python -m tools.scaling [--only TEXT] [--large]
 
 Each measurement is a process of its own; its figures are kept in `tools/results/scaling.json`, and at the end
-`tools/results/scaling.md` lists all of them beside the aims. `--large` adds the tissue of 500 cells, which takes minutes.
+`tools/results/scaling.md` lists them beside the aims. `--large` adds the tissue of 500 cells, which takes minutes.
 
-iteration
-    A Newton iteration of a released tissue of 100 000 unknowns over one factorisation and solve of its matrix.
 contact
     Share of contact (search, gaps, springs) in a run of the 3x3 and of the 5x7 tissue.
 growth
-    Seconds of an iteration without the direct solver, and memory, for each unknown, from 9 to 900 cells.
+    Seconds of an iteration without the direct solver, and memory, for each unknown, from 9 to 900 cells; with 900,
+    130 000 unknowns, a Newton iteration over one factorisation and solve of its matrix.
 help
     Seconds on the clock of `ngcell --help`, the smallest of five.
 one body
@@ -38,11 +37,13 @@ import click
 ROOT = Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "tools" / "results"
 #: Iterations that are timed.
-ITERATIONS = 12
+ITERATIONS = 4
 AIMS = {
     "iteration over factorisation and solve": ("at most", 2.5),
+    "the same, with each of the iteration's factorisations counted": ("at most", 2.5),
     "share of contact, 3x3": ("at most", 0.2),
     "share of contact, 5x7": ("at most", 0.2),
+    "seconds for each unknown, 100 over 9 cells": ("at most", 1.3),
     "seconds for each unknown, 900 over 9 cells": ("at most", 1.3),
     "memory for each unknown, 900 over 100 cells": ("at most", 1.3),
     "seconds of --help": ("at most", 0.5),
@@ -143,7 +144,7 @@ def _timed(call: Callable[..., Any], spent: dict[str, float]) -> Callable[..., A
 
 
 def one_body() -> dict[str, float]:
-    """Return processor seconds of a clamped block pressed down, here and in plain NGSolve, and how far apart energies are."""
+    """Return processor seconds of a clamped block pressed down, here and in plain NGSolve."""
     import ngsolve as ngs
     from netgen import occ
 
@@ -247,7 +248,6 @@ MEASUREMENTS: dict[str, Callable[[], dict[str, float]]] = {
     "growth 3x3": lambda: iterated(3, 3, 2),
     "growth 10x10": lambda: iterated(10, 10, 2),
     "growth 30x30": lambda: iterated(30, 30, 2),
-    "iteration": lambda: iterated(26, 27, 2),
     "large": large,
 }
 
@@ -255,20 +255,25 @@ MEASUREMENTS: dict[str, Callable[[], dict[str, float]]] = {
 def ratios(found: dict[str, dict[str, float]]) -> dict[str, float]:
     """Return the figures that aims are about, as far as they were measured."""
     figures = {}
-    if "iteration" in found:
-        run = found["iteration"]
-        figures["iteration over factorisation and solve"] = (
-            run["seconds of an iteration"] / run["factorisation and solve alone"]
+    if "growth 30x30" in found:
+        run = found["growth 30x30"]
+        alone = run["factorisation and solve alone"]
+        figures["iteration over factorisation and solve"] = run["seconds of an iteration"] / alone
+        rounds = run["factorisations"] / run["iterations"]
+        figures["the same, with each of the iteration's factorisations counted"] = run["seconds of an iteration"] / (
+            rounds * alone
         )
     for size in ("3x3", "5x7"):
         if f"contact {size}" in found:
             figures[f"share of contact, {size}"] = found[f"contact {size}"]["share"]
-    if {"growth 3x3", "growth 10x10", "growth 30x30"} <= found.keys():
-        small, middle, big = (found[f"growth {size}"] for size in ("3x3", "10x10", "30x30"))
-        seconds = "of it without the direct solver"
-        figures["seconds for each unknown, 900 over 9 cells"] = (
-            big[seconds] / big["unknowns"] / (small[seconds] / small["unknowns"])
-        )
+    for size, cells in (("10x10", 100), ("30x30", 900)):
+        if {"growth 3x3", f"growth {size}"} <= found.keys():
+            small, big, seconds = found["growth 3x3"], found[f"growth {size}"], "of it without the direct solver"
+            figures[f"seconds for each unknown, {cells} over 9 cells"] = (
+                big[seconds] / big["unknowns"] / (small[seconds] / small["unknowns"])
+            )
+    if {"growth 10x10", "growth 30x30"} <= found.keys():
+        middle, big = found["growth 10x10"], found["growth 30x30"]
         figures["memory for each unknown, 900 over 100 cells"] = (
             big["MiB"] / big["unknowns"] / (middle["MiB"] / middle["unknowns"])
         )
@@ -290,10 +295,9 @@ def report(found: dict[str, dict[str, float]], path: Path) -> None:
     ]
     lines += ["| figure | measured | aim | |", "|---|---|---|---|"]
     for name, (word, aim) in AIMS.items():
-        if name in figures:
-            lines.append(
-                f"| {name} | {figures[name]:.3g} | {word} {aim:g} | {'held' if figures[name] <= aim else 'missed'} |"
-            )
+        verdict = "not measured" if name not in figures else "held" if figures[name] <= aim else "missed"
+        shown = f"{figures[name]:.3g}" if name in figures else ""
+        lines.append(f"| {name} | {shown} | {word} {aim:g} | {verdict} |")
     for name, numbers in found.items():
         lines += ["", f"## {name}", "", "| " + " | ".join(numbers) + " |", "|" + "---|" * len(numbers)]
         lines.append("| " + " | ".join(f"{value:.4g}" for value in numbers.values()) + " |")

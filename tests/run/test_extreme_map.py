@@ -80,6 +80,6 @@ def test_each_stiff_point_is_perturbed_and_the_map_says_what_came_of_it(tmp_path
     named = row(label="mesh: x", outcome=extreme.NAMED, cause="residual")
     report([base, finer, named], 9, tmp_path / "map.md", tmp_path / "map.png")
     text = (tmp_path / "map.md").read_text()
-    assert "1 of 2 points that have a solution are certified, 50.0%" in text and "2 of 9 points" in text
+    assert "1 of 2 points that have a solution are certified, 50.0%" in text and "2 of 9 points were run" in text
     assert f"| {STIFF[0]} | 0.02 |" in text and "| mesh: x | named: residual |" in text
     assert (tmp_path / "map.png").stat().st_size > 1000
