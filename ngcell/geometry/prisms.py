@@ -1,6 +1,6 @@
 """Prismatic cells: the plane through all cells, swept along z, as hexahedra written straight into a Netgen mesh.
 
-Ends of cells are the regions `FRONT`, at the upper end, and `BACK`. Nothing touches them, and a wall of the section is a
+Ends of cells are the regions `FRONT`, at the upper end, and `BACK`. Nothing touches them. A wall of the section is a
 wall of the prism. Cells are hollow from end to end, or closed by end walls of one element each; the lumen of a closed
 cell has the inner faces of its end walls, too.
 """

@@ -15,7 +15,7 @@ reported.
 Numbers: the scale of the strength is shear modulus over cell size squared, which makes the walk independent of units.
 At ``FIRST`` the tether outweighs everything but the wall's own stiffness, and no pressure in the cells drives walls
 through each other before there is contact; at ``LAST`` it is below every stiffness but that of floating cells. In
-between it falls by `NARROWEST` decades from step to step, and by more where no wall closes or opens: a tether that falls
+between it falls by `NARROWEST` decades a step, and by more where no wall closes or opens: a tether that falls
 faster leaves the path where cells come free, and ends on another equilibrium.
 """
 

@@ -64,7 +64,7 @@ def test_the_stiffness_of_the_springs_leaves_no_trace(multiple, monkeypatch):
 @pytest.mark.parametrize("contact", ["mortar", "penalty"])
 @pytest.mark.parametrize("cut", [1, 2])
 def test_k6_the_plates_pull_as_hard_as_walls_press_across_a_cut(contact, cut):
-    """The cut runs between two rows, through contact only; the little that the tether left over holds is counted apart."""
+    """The cut runs between two rows, through contact only; the little that the last tether holds is counted apart."""
     simulation = Simulation(case(contact=contact))
     *_, accepted = simulation._accepted(Standing())
     assembly, state, tether = simulation.released, accepted.minimum.state, accepted.tether
