@@ -28,8 +28,9 @@ from numpy.typing import NDArray
 
 from ngcell.errors import GeometryError
 from ngcell.geometry.bodies import BodyMesh
+from ngcell.geometry.boundaries import are_apart, name_boundaries, outlines
 from ngcell.geometry.near import components
-from ngcell.scene.bodies import PLAIN_NAME, check_unique_names
+from ngcell.scene.bodies import check_unique_names
 from ngcell.scene.mesh import Refinement
 
 Array = NDArray[np.float64]
@@ -46,7 +47,7 @@ class _Loop:
     """A closed boundary of a body: which body, which of Netgen's edges, and its segments, shape (n, 2, 2)."""
 
     body: int
-    edges: frozenset[int]
+    members: frozenset[int]
     segments: Array
 
     @property
@@ -117,8 +118,10 @@ def mesh_shapes(
     thickness = min(2 * abs(face.mass) / sum(edge.mass for edge in face.edges) for face in faces)
     mesh = _netgen_mesh(faces, names, _meshing(_SIZE * thickness if size is None else size, refinements))
     loops = _loops(mesh)
-    walls = _name_boundaries(mesh, loops, names) - set(untouched)
-    body = np.asarray(mesh.Elements2D().NumPy()["index"], dtype=np.int64) - 1
+    elements = mesh.Elements2D().NumPy()
+    body = np.asarray(elements["index"], dtype=np.int64) - 1
+    centres = mesh.Coordinates()[elements["nodes"][:, :3] - 1].mean(1)[:, :2]
+    walls = name_boundaries(mesh, loops, names, centres, body) - set(untouched)
     for number, name in enumerate(names):
         mesh.SetMaterial(number + 1, name)
     return BodyMesh(
@@ -126,7 +129,7 @@ def mesh_shapes(
         body_of_element=body,
         body_names=tuple(names),
         wall_names="|".join(sorted(walls)),
-        length=min(loop.diagonal for loop in _outlines(loops).values()) / 2,
+        length=min(loop.diagonal for loop in outlines(loops).values()) / 2,
         thickness=thickness,
     )
 
@@ -186,20 +189,12 @@ def _netgen_mesh(
         mesh = occ.OCCGeometry(occ.Compound(list(faces)), dim=2).GenerateMesh(mp=meshing)
     except Exception as error:  # noqa: BLE001 - Netgen raises its own and standard exceptions alike
         raise GeometryError(f"bodies {', '.join(names)}: Netgen cannot mesh them ({error})") from error
-    if not _are_apart(mesh, len(faces)):
+    if not are_apart(mesh.Elements2D().NumPy(), 3, len(faces)):
         raise GeometryError(
             f"bodies {', '.join(names)}: two of them are the same face or share an edge; allowed: shapes of "
             "their own, which may touch (do not Glue them, and Move a copy instead of repeating a face)"
         )
     return mesh
-
-
-def _are_apart(mesh: netgen.meshing.Mesh, bodies: int) -> bool:
-    """Return whether all bodies have elements, and no point is used by two of them."""
-    triangles = mesh.Elements2D().NumPy()
-    corners = np.column_stack([triangles["nodes"][:, :3].ravel(), np.repeat(triangles["index"], 3)])
-    owners = np.unique(corners, axis=0)
-    return len(np.unique(owners[:, 0])) == len(owners) and len(np.unique(owners[:, 1])) == bodies
 
 
 def _loops(mesh: netgen.meshing.Mesh) -> list[_Loop]:
@@ -218,40 +213,3 @@ def _loops(mesh: netgen.meshing.Mesh) -> list[_Loop]:
         _Loop(int(body_of_point[ends[own[0], 0]]), frozenset(edge[own].tolist()), points[ends[own], :2])
         for own in members
     ]
-
-
-def _outlines(loops: Sequence[_Loop]) -> dict[int, _Loop]:
-    """Return the outline of each body: its largest loop."""
-    outlines: dict[int, _Loop] = {}
-    for loop in loops:
-        if loop.body not in outlines or loop.diagonal > outlines[loop.body].diagonal:
-            outlines[loop.body] = loop
-    return outlines
-
-
-def _name_boundaries(mesh: netgen.meshing.Mesh, loops: Sequence[_Loop], names: Sequence[str]) -> set[str]:
-    """Name the edges that have no name, and return the names of walls."""
-    elements = mesh.Elements2D().NumPy()
-    centres = mesh.Coordinates()[elements["nodes"][:, :3] - 1].mean(1)[:, :2]
-    outlines, holes, walls = _outlines(loops), [0] * len(names), set()
-    for loop in loops:
-        kind, is_wall = "outline", True
-        if loop is not outlines[loop.body]:
-            kind = f"hole{holes[loop.body]}"
-            is_wall = loop.encloses(centres[elements["index"] - 1 != loop.body])
-            holes[loop.body] += 1
-        for edge in loop.edges:
-            name = _named(mesh, edge, f"{names[loop.body]}_{kind}")
-            walls |= {name} if is_wall else set()
-    return walls
-
-
-def _named(mesh: netgen.meshing.Mesh, edge: int, otherwise: str) -> str:
-    """Return the name of an edge, after giving it one if it had none."""
-    name = str(mesh.GetBCName(edge - 1))
-    if name == "default":
-        mesh.SetBCName(edge - 1, otherwise)
-        return otherwise
-    if not PLAIN_NAME.fullmatch(name):
-        raise GeometryError(f"edge name {name!r}; allowed: letters, digits, _ and -")
-    return name

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 from ngcell.errors import GeometryError
 from ngcell.geometry.bodies import BodyMesh
+from ngcell.geometry.boundaries import are_apart, name_boundaries, outlines
 from ngcell.geometry.enclosure import winding_numbers
 from ngcell.geometry.near import components
-from ngcell.scene.bodies import PLAIN_NAME
 
 Array = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ class _Shell:
     """A closed boundary of a body: which body, which of Netgen's faces, and its triangles, shape (n, 3, 3)."""
 
     body: int
-    faces: frozenset[int]
+    members: frozenset[int]
     triangles: Array
 
     @property
@@ -67,8 +67,10 @@ def mesh_solids(
     thickness = min(2 * abs(solid.mass) / sum(face.mass for face in solid.faces) for solid in solids)
     mesh = _netgen_mesh(solids, names, _SIZE * thickness if size is None else size)
     shells = _shells(mesh)
-    walls = _name_boundaries(mesh, shells, names) - set(untouched)
-    body = np.asarray(mesh.Elements3D().NumPy()["index"], dtype=np.int64) - 1
+    elements = mesh.Elements3D().NumPy()
+    body = np.asarray(elements["index"], dtype=np.int64) - 1
+    centres = mesh.Coordinates()[elements["nodes"][:, :4] - 1].mean(1)
+    walls = name_boundaries(mesh, shells, names, centres, body) - set(untouched)
     for number, name in enumerate(names):
         mesh.SetMaterial(number + 1, name)
     return BodyMesh(
@@ -76,7 +78,7 @@ def mesh_solids(
         body_of_element=body,
         body_names=tuple(names),
         wall_names="|".join(sorted(walls)),
-        length=min(shell.diagonal for shell in _outlines(shells).values()) / 2,
+        length=min(shell.diagonal for shell in outlines(shells).values()) / 2,
         thickness=thickness,
     )
 
@@ -94,20 +96,12 @@ def _netgen_mesh(solids: Sequence[occ.Solid], names: Sequence[str], size: float)
         mesh = occ.OCCGeometry(occ.Compound(list(solids)), dim=3).GenerateMesh(mp=meshing)
     except Exception as error:  # noqa: BLE001 - Netgen raises its own and standard exceptions alike
         raise GeometryError(f"bodies {', '.join(names)}: Netgen cannot mesh them ({error})") from error
-    if not _are_apart(mesh, len(solids)):
+    if not are_apart(mesh.Elements3D().NumPy(), 4, len(solids)):
         raise GeometryError(
             f"bodies {', '.join(names)}: two of them are the same solid or share a face; allowed: shapes of "
             "their own, which may touch (do not Glue them, and Move a copy instead of repeating a solid)"
         )
     return mesh
-
-
-def _are_apart(mesh: netgen.meshing.Mesh, bodies: int) -> bool:
-    """Return whether all bodies have elements, and no point is used by two of them."""
-    elements = mesh.Elements3D().NumPy()
-    corners = np.column_stack([elements["nodes"][:, :4].ravel(), np.repeat(elements["index"], 4)])
-    owners = np.unique(corners, axis=0)
-    return len(np.unique(owners[:, 0])) == len(owners) and len(np.unique(owners[:, 1])) == bodies
 
 
 def _shells(mesh: netgen.meshing.Mesh) -> list[_Shell]:
@@ -125,36 +119,3 @@ def _shells(mesh: netgen.meshing.Mesh) -> list[_Shell]:
         _Shell(int(body_of_point[corners[own[0], 0]]), frozenset(face[own].tolist()), points[corners[own]])
         for own in members
     ]
-
-
-def _outlines(shells: Sequence[_Shell]) -> dict[int, _Shell]:
-    """Return the outer shell of each body: its largest."""
-    return {shell.body: shell for shell in sorted(shells, key=lambda shell: shell.diagonal)}
-
-
-def _name_boundaries(mesh: netgen.meshing.Mesh, shells: Sequence[_Shell], names: Sequence[str]) -> set[str]:
-    """Name the faces that have no name, and return the names of walls."""
-    elements = mesh.Elements3D().NumPy()
-    centres = mesh.Coordinates()[elements["nodes"][:, :4] - 1].mean(1)
-    outlines, holes, walls = _outlines(shells), [0] * len(names), set()
-    for shell in shells:
-        kind, is_wall = "outline", True
-        if shell is not outlines[shell.body]:
-            kind = f"hole{holes[shell.body]}"
-            is_wall = shell.encloses(centres[elements["index"] - 1 != shell.body])
-            holes[shell.body] += 1
-        for face in shell.faces:
-            name = _named(mesh, face, f"{names[shell.body]}_{kind}")
-            walls |= {name} if is_wall else set()
-    return walls
-
-
-def _named(mesh: netgen.meshing.Mesh, face: int, otherwise: str) -> str:
-    """Return the name of a face, after giving it one if it had none."""
-    name = str(mesh.GetBCName(face - 1))
-    if name == "default":
-        mesh.SetBCName(face - 1, otherwise)
-        return otherwise
-    if not PLAIN_NAME.fullmatch(name):
-        raise GeometryError(f"face name {name!r}; allowed: letters, digits, _ and -")
-    return name
