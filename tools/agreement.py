@@ -8,7 +8,6 @@ figure is `docs/agreement.png`.
 
 from __future__ import annotations
 
-import csv
 import math
 from pathlib import Path
 from time import process_time
@@ -16,6 +15,7 @@ from time import process_time
 import click
 import matplotlib
 import ngsolve
+import tables
 from threadpoolctl import threadpool_limits
 
 import ngcell
@@ -59,17 +59,12 @@ def measured(case: str, displacement: float, size: float, method: str, stiffness
     }
 
 
-def read_rows() -> list[dict[str, str]]:
-    """Return the rows that are there."""
-    return list(csv.DictReader(TABLE.open())) if TABLE.exists() else []
-
-
 def draw(case: str, displacement: float) -> None:
     """Draw energy and plate force over the stiffness, a line a mesh, the mortar's value as a level."""
     matplotlib.use("Agg")
     from matplotlib.figure import Figure
 
-    rows = [row for row in read_rows() if row["case"] == case and float(row["displacement"]) == displacement]
+    rows = [row for row in tables.read(TABLE) if row["case"] == case and float(row["displacement"]) == displacement]
     figure = Figure(figsize=(9, 3.6), layout="constrained")
     for axes, column, name in zip(
         figure.subplots(1, 3),
@@ -102,20 +97,14 @@ def main(case: str, displacement: float) -> None:
     wanted += [(size, "penalty", stiffness) for size in SIZES for stiffness in STIFFNESSES]
     done = {
         (r["case"], float(r["displacement"]), float(r["size"]), r["method"], float(r["stiffness"]))
-        for r in read_rows()
+        for r in tables.read(TABLE)
     }
-    TABLE.parent.mkdir(exist_ok=True)
     for size, method, stiffness in wanted:
         if (case, displacement, size, method, stiffness) in done:
             continue
         with threadpool_limits(1, user_api="blas"):
             row = measured(case, displacement, size, method, stiffness)
-        is_new = not TABLE.exists()
-        with TABLE.open("a", newline="") as file:
-            writer = csv.DictWriter(file, COLUMNS)
-            if is_new:
-                writer.writeheader()
-            writer.writerow(row)
+        tables.append(TABLE, COLUMNS, [row])
         click.echo(", ".join(f"{name} {value}" for name, value in row.items()))
     draw(case, displacement)
 

@@ -9,10 +9,10 @@ were stopped go on. Levels are those of the curves, even ones with cohesion; `to
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 
 import click
+import tables
 from figures import fibres, inclusions, pressures, run_of
 from runs import Run
 
@@ -72,24 +72,6 @@ def row_of(run: Run, outcome: str) -> dict[str, object]:
     }
 
 
-def read_rows() -> list[dict[str, str]]:
-    """Return the rows that are there."""
-    if not TABLE.exists():
-        return []
-    with TABLE.open(encoding="utf-8", newline="") as lines:
-        return list(csv.DictReader(lines))
-
-
-def add_row(row: dict[str, object]) -> None:
-    """Append a row to the table."""
-    is_new = not TABLE.exists()
-    with TABLE.open("a", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        if is_new:
-            writer.writeheader()
-        writer.writerow(row)
-
-
 def write_page() -> None:
     """Show the rows as a table."""
     columns = {
@@ -101,7 +83,7 @@ def write_page() -> None:
     numbers = {"energy", "plate_force_x", "mean_gap"}
     lines = ["| " + " | ".join(columns.values()) + " |", "|" + "---|" * len(columns)]
     order = [(case, settings, strategy) for case, settings, both in listed() for strategy in both]
-    for row in sorted(read_rows(), key=lambda row: order.index(tuple(row[key] for key in KEYS))):
+    for row in sorted(tables.read(TABLE), key=lambda row: order.index(tuple(row[key] for key in KEYS))):
         cells = [f"{float(row[key]):.4g}" if key in numbers and row[key] else row[key] for key in columns]
         lines.append("| " + " | ".join(cells) + " |")
     PAGE.write_text("# Certificates of the 5x7 tissue\n\n`python tools/certify.py`; the last step of each run\n\n"
@@ -116,7 +98,7 @@ def main(only: str, timeout: float) -> None:
     for case, settings, strategies in listed():
         for strategy in strategies:
             key = dict(zip(KEYS, (case, settings, strategy), strict=True))
-            done = any(all(row[name] == value for name, value in key.items()) for row in read_rows())
+            done = any(all(row[name] == value for name, value in key.items()) for row in tables.read(TABLE))
             if done or only not in " ".join(key.values()):
                 continue
             run = run_behind(case, settings, strategy)
@@ -124,7 +106,7 @@ def main(only: str, timeout: float) -> None:
             row = key | row_of(run, outcome)
             click.echo(f"{case} {settings} {strategy}: {outcome} {row['failed_checks']}")
             if not outcome.startswith("stopped"):
-                add_row(row)
+                tables.append(TABLE, COLUMNS, [row])
                 write_page()
     write_page()
 

@@ -9,10 +9,10 @@ ended; runs that are there are not repeated, and those of `tools/certify.py` are
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 
 import click
+import tables
 from certify import BOTH, STRENGTHS, bonded, run_behind
 from matplotlib.figure import Figure
 from runs import Run
@@ -40,14 +40,9 @@ def walked(strategy: str, strength: float) -> list[dict[str, object]]:
     return [key | {name: row.get(name, "") for name in MEASURED} for row in run.levels()]
 
 
-def read_rows() -> list[dict[str, str]]:
-    """Return the rows that are there."""
-    return list(csv.DictReader(TABLE.open())) if TABLE.exists() else []
-
-
 def draw() -> None:
     """Draw plate force, mean gap and parted pairs over the displacement, a colour a strength; markers are SDDP."""
-    figure, rows = Figure(figsize=(10, 3.6), layout="constrained"), read_rows()
+    figure, rows = Figure(figsize=(10, 3.6), layout="constrained"), tables.read(TABLE)
     names = {"plate_force_x": "plate force", "mean_gap": "mean gap", "parted_pairs": "parted wall pairs"}
     for axes, (column, name) in zip(figure.subplots(1, 3), names.items(), strict=True):
         for strategy, strength in RUNS:
@@ -68,14 +63,9 @@ def draw() -> None:
 def main() -> None:
     """Run what is missing, and draw."""
     for strategy, strength in RUNS:
-        if any((row["strategy"], float(row["strength"])) == (strategy, strength) for row in read_rows()):
+        if any((row["strategy"], float(row["strength"])) == (strategy, strength) for row in tables.read(TABLE)):
             continue
-        rows, is_new = walked(strategy, strength), not TABLE.exists()
-        with TABLE.open("a", newline="") as file:
-            writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-            if is_new:
-                writer.writeheader()
-            writer.writerows(rows)
+        tables.append(TABLE, COLUMNS, walked(strategy, strength))
     draw()
 
 

@@ -9,11 +9,11 @@ still bonded. Rows go to `tools/results/cohesion.csv`; runs that have a row are 
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 
 import click
 import ngsolve
+import tables
 from threadpoolctl import threadpool_limits
 
 import ngcell
@@ -62,20 +62,13 @@ def measured(case: str, strength: float, energy: float, size: float, steps: int)
 def main(case: str, strength: float, energy: float) -> None:
     """Run what is missing."""
     ngsolve.SetNumThreads(1)
-    rows = list(csv.DictReader(TABLE.open())) if TABLE.exists() else []
-    done = {tuple(row[key] for key in KEYS) for row in rows}
-    TABLE.parent.mkdir(exist_ok=True)
+    done = {tuple(row[key] for key in KEYS) for row in tables.read(TABLE)}
     for size, steps in RUNS:
         if tuple(map(str, (case, strength, energy, size, steps))) in done:
             continue
         with threadpool_limits(1, user_api="blas"):
             row = measured(case, strength, energy, size, steps)
-        is_new = not TABLE.exists()
-        with TABLE.open("a", newline="") as file:
-            writer = csv.DictWriter(file, COLUMNS)
-            if is_new:
-                writer.writeheader()
-            writer.writerow(row)
+        tables.append(TABLE, COLUMNS, [row])
         click.echo(", ".join(f"{name} {value}" for name, value in row.items()))
 
 

@@ -20,7 +20,6 @@ two sizes, and writes no figures.
 
 from __future__ import annotations
 
-import csv
 import json
 import subprocess
 import sys
@@ -33,6 +32,7 @@ from typing import Any
 
 import click
 
+from tools import tables
 from tools.settings import sources
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -204,17 +204,7 @@ COLUMNS = (
 
 def rows_in(table: Path) -> dict[str, dict[str, Any]]:
     """Return the rows of a table by key."""
-    return {line["run"]: line for line in csv.DictReader(table.open())} if table.exists() else {}
-
-
-def append(table: Path, line: dict[str, Any]) -> None:
-    """Append a row."""
-    is_new = not table.exists()
-    with table.open("a", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS, restval="", lineterminator="\n")
-        if is_new:
-            writer.writeheader()
-        writer.writerow(line)
+    return {line["run"]: line for line in tables.read(table)}
 
 
 @click.command(help=__doc__.split("\n")[0])
@@ -236,7 +226,7 @@ def main(quick: bool, jobs: int, timeout: float, only: str, one: str | None) -> 
     todo = [run for run in runs if run.label not in done and only in run.label]
     with ThreadPoolExecutor(jobs) as pool:
         for line in pool.map(lambda run: row(run, timeout), todo):
-            append(table, line)
+            tables.append(table, COLUMNS, [line])
             click.echo(f"{line.get('seconds', ''):>8} s  {line['run']}  {line['outcome']}", err=True)
     done = rows_in(table)
     rows = [done[run.label] for run in runs if run.label in done]

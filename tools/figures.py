@@ -13,13 +13,13 @@ the wall's thickness; in parted pairs that at which half of all pairs have parte
 
 from __future__ import annotations
 
-import csv
 import math
 from pathlib import Path
 
 import click
 import ngsolve
 import numpy as np
+import tables
 from matplotlib.figure import Figure
 from runs import Run
 
@@ -120,27 +120,12 @@ def level_row(row: dict[str, str]) -> dict[str, str]:
     return {name: row[name] for name in same} | {name: row[old] for name, old in named.items()}
 
 
-def read_rows() -> list[dict[str, str]]:
-    """Return the rows that are there."""
-    return list(csv.DictReader(TABLE.open())) if TABLE.exists() else []
-
-
-def add_rows(rows: list[dict[str, object]]) -> None:
-    """Append rows to the table."""
-    is_new = not TABLE.exists()
-    with TABLE.open("a", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        if is_new:
-            writer.writeheader()
-        writer.writerows(rows)
-
-
 def compute(name: str, tissue: str, strategy: str) -> None:
     """Run what has no rows yet."""
     for case, setting, _ in CURVES[name]:
-        done = {(row["tissue"], row["case"], row["setting"], row["strategy"]) for row in read_rows()}
+        done = {(row["tissue"], row["case"], row["setting"], row["strategy"]) for row in tables.read(TABLE)}
         if (tissue, case, setting, strategy) not in done:
-            add_rows(rows_of(tissue, case, setting, strategy))
+            tables.append(TABLE, COLUMNS, rows_of(tissue, case, setting, strategy))
 
 
 def onset(rows: list[dict[str, str]], measure: str) -> float:
@@ -162,8 +147,8 @@ def draw(name: str, tissue: str) -> None:
     panels = dict(zip(measures, figure.subplots(1, 3), strict=True))
     click.echo(f"{'onset in':26}" + "".join(f"{words:>20}" for words in measures.values()))
     for number, (case, setting, label) in enumerate(CURVES[name]):
-        key = (tissue, case, setting, "sddp")
-        rows = [row for row in read_rows() if (row["tissue"], row["case"], row["setting"], row["strategy"]) == key]
+        key = {"tissue": tissue, "case": case, "setting": setting, "strategy": "sddp"}
+        rows = [row for row in tables.read(TABLE) if key.items() <= row.items()]
         x = [0.0, *(float(row["displacement"]) for row in rows)]
         onsets = {measure: onset(rows, measure) for measure in measures}
         refused = sum(row["certified"] != "True" for row in rows)

@@ -11,7 +11,6 @@ them; figures are left alone by `--quick`. Only rows of the same sources are com
 
 from __future__ import annotations
 
-import csv
 import json
 import os
 import subprocess
@@ -20,13 +19,14 @@ import tempfile
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
-from hashlib import sha256
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 import click
 
+from tools import tables
+from tools.settings import sources
 from tools.study import peers
 from tools.study.grid import Setting, grid
 from tools.study.report import report
@@ -40,14 +40,6 @@ COLUMNS = (
     *("unknowns", "iterations", "factorisations", "wall_seconds", "seconds", "phases", "peak_mb", "certified"),
     *("code", "commit"),
 )
-
-
-def sources() -> str:
-    """Return a digest of the sources of the package."""
-    digest = sha256()
-    for path in sorted((ROOT / "ngcell").rglob("*.py")):
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:8]
 
 
 def commit() -> str:
@@ -84,19 +76,7 @@ def row(setting: Setting, timeout: float) -> dict[str, Any]:
 
 def rows_in(table: Path, code: str) -> dict[str, dict[str, Any]]:
     """Return the rows that these sources made, by key."""
-    if not table.exists():
-        return {}
-    return {line["run"]: line for line in csv.DictReader(table.open()) if line["code"] == code}
-
-
-def append(table: Path, line: dict[str, Any]) -> None:
-    """Append a row."""
-    is_new = not table.exists()
-    with table.open("a", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS, restval="", lineterminator="\n")
-        if is_new:
-            writer.writeheader()
-        writer.writerow(line)
+    return {line["run"]: line for line in tables.read(table) if line["code"] == code}
 
 
 @click.command(help=__doc__.split("\n")[0])
@@ -133,7 +113,7 @@ def main(
     if not report_only:
         with ThreadPoolExecutor(jobs) as pool:
             for line in pool.map(lambda setting: row(setting, timeout), todo):
-                append(table, line)
+                tables.append(table, COLUMNS, [line])
                 click.echo(f"{line.get('seconds', ''):>8} s  {line['run']}  {line['outcome']}", err=True)
     done = rows_in(table, code)
     every = [*grid(quick), *peers.settings(quick)]
