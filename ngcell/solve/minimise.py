@@ -137,7 +137,7 @@ class Minimiser:
             return Minimum(state, Ending.NO_ENERGY, decrement)
         for _ in range(self.most_iterations):
             self.effort.iterations += 1
-            advance = self._descend(state, tether, shift)
+            advance = self._descend(state, tether, shift, tolerance)
             if advance is None:
                 return Minimum(state, Ending.NO_DESCENT, decrement)
             state, shift, decrement = advance.state, advance.shift, advance.decrement
@@ -190,8 +190,11 @@ class Minimiser:
         with self.clock.phase("pairs and energies"):
             return self.problem.at(displacement)
 
-    def _descend(self, state: State, tether: Tether, shift: float) -> _Advance | None:
-        """Return the next iterate, or None if no shift makes a step that lowers the energy."""
+    def _descend(self, state: State, tether: Tether, shift: float, tolerance: float) -> _Advance | None:
+        """Return the next iterate, or None if no shift makes a step that lowers the energy.
+
+        A state whose own decrement is within the tolerance is the end, even where a kink ahead spoils the step.
+        """
         with self.clock.phase("assembly"):
             line = self.problem.linearise(state)
         energy = state.energy + self.tether_energy(state.displacement, tether)
@@ -209,6 +212,8 @@ class Minimiser:
                     if bent is not None and bent_gain > POOR * -change:
                         trial, gain = bent, bent_gain
                 quality = gain / -change if change < 0 else -np.inf
+                if quality <= POOR and shift == 0 and decrement <= tolerance:
+                    return _Advance(state, 0.0, decrement, 0.0)
                 if quality > POOR:
                     return _Advance(trial, self._relaxed(shift, quality, model, step), decrement, shift)
             raised = max(RAISE * shift, self._weight_of(FELT, model, step))

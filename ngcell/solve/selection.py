@@ -50,6 +50,8 @@ UPDATE = 0.1
 #: Share of the longest step by which conditions of contact and fluids may be missed at the end, and the most updates
 #: to get there.
 CONDITION, MOST_UPDATES = 1e-12, 40
+#: The same where updates hardly help: pressures of conditions that bind each other drift, and nothing else.
+FAINT = 1e-7
 #: Share of what was missed before above which an update was slow.
 SLOW = 0.25
 #: Share of the energy that is nothing: a decrement on the way, or what is missed where updates hardly help, as slivers
@@ -141,8 +143,8 @@ def until_conditions_hold(
     before, was_hastened = float("inf"), False
     for _ in range(MOST_UPDATES):
         missed, energy = minimiser.problem.improve(minimum.state)
-        helpless = was_hastened and missed > before / 2 and energy <= NOTHING * abs(minimum.state.energy)
-        if missed <= CONDITION * length or helpless:
+        nothing = missed <= FAINT * length or energy <= NOTHING * abs(minimum.state.energy)
+        if missed <= CONDITION * length or (was_hastened and missed > before / 2 and nothing):
             return minimum
         _log.info("conditions missed by %.1e", missed)
         was_hastened = missed > SLOW * before
