@@ -208,9 +208,11 @@ class Minimiser:
                 if -lost < change and -lost < gain:
                     return _Advance(trial, 0.0, decrement, shift)
                 if gain <= POOR * -change:
-                    bent, bent_gain = self._bent(state, line, model, step, trial, tether, energy)
-                    if bent is not None and bent_gain > POOR * -change:
-                        trial, gain = bent, bent_gain
+                    bent = self._bent(line, model, step, trial, POOR * -change - gain)
+                    if bent is not None:
+                        bent_trial, bent_gain = self._tried(state, bent, tether, energy)
+                        if bent_gain > POOR * -change:
+                            trial, gain = bent_trial, bent_gain
                 quality = gain / -change if change < 0 else -np.inf
                 if quality <= POOR and shift == 0 and decrement <= tolerance:
                     return _Advance(state, 0.0, decrement, 0.0)
@@ -227,31 +229,27 @@ class Minimiser:
         return trial, energy - trial.energy - self.tether_energy(trial.displacement, tether)
 
     def _bent(
-        self,
-        state: State,
-        line: Linearisation,
-        model: SpringModel,
-        step: Array,
-        trial: State,
-        tether: Tether,
-        energy: float,
-    ) -> tuple[State | None, float]:
-        """Return the state after a step that follows the curvature of gaps, and its gain; None where it is of no use.
+        self, line: Linearisation, model: SpringModel, step: Array, trial: State, lacking: float
+    ) -> Array | None:
+        """Return a step that follows the curvature of gaps; None where it is of no use.
 
         Cells that slide or roll on each other move along curves. What the gaps after a step turned out to be beyond
-        their linear parts is added to the springs, and the model is minimised again: a second-order correction.
+        their linear parts is added to the springs, and the model is minimised again: a second-order correction. It wins
+        back what the springs store beyond the model; where the energy that is `lacking` is more, it is not tried.
         """
         if not np.isfinite(trial.energy) or not len(model.gap):
-            return None, 0.0
+            return None
         foreseen = model.gap + model.jacobian @ step
         keys, gaps = self.problem.gaps(trial)
         place = np.minimum(np.searchsorted(keys, line.keys), max(len(keys) - 1, 0))
         known = keys[place] == line.keys if len(keys) else np.zeros(len(line.keys), dtype=bool)
         surplus = np.where(known, gaps[place] - foreseen, 0.0) if len(keys) else np.zeros_like(foreseen)
         if not known.any() or float(np.abs(surplus).max()) > self.longest_step:
-            return None, 0.0
+            return None
+        if model.stored(foreseen + surplus) - model.stored(foreseen) <= lacking:
+            return None
         bent, change = self._step(replace(model, gap=model.gap + surplus))
-        return self._tried(state, bent, tether, energy) if change <= 0 else (None, 0.0)
+        return bent if change <= 0 else None
 
     def _step(self, model: SpringModel) -> tuple[Array, float]:
         """Return a step no longer than allowed, and the change of the model."""

@@ -52,6 +52,10 @@ class SpringModel:
         springs = self.jacobian.T @ (self.spring * np.minimum(self.gap, 0))
         return np.where(self.free, self.gradient + springs, 0.0)
 
+    def stored(self, gap: Array) -> float:
+        """Return the energy that the springs store at these gaps."""
+        return 0.5 * float((self.spring * np.minimum(gap, 0) ** 2).sum())
+
     def change(self, matrix: SymmetricMatrix, step: Array) -> float:
         """Return ``m(step) - m(0)``."""
         moved = self.jacobian @ step

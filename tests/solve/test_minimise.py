@@ -27,6 +27,7 @@ class Model:
     gap: np.ndarray
     jacobian: sparse.csr_array
     spring: np.ndarray
+    keys: np.ndarray
 
 
 @dataclass
@@ -66,7 +67,11 @@ class Landscape:
         gap = np.array([self.stop - x] if np.isfinite(self.stop) else [])
         jacobian = sparse.csr_array(np.array([[-1.0, 0, 0]] * len(gap)).reshape(-1, 3))
         stiffness = np.array([12 * x * x - 4, 1.0, 0.0])
-        return Model(gradient, stiffness, None, gap, jacobian, np.full(len(gap), self.spring))
+        return Model(gradient, stiffness, None, gap, jacobian, np.full(len(gap), self.spring), np.arange(len(gap)))
+
+    def gaps(self, state: Point) -> tuple[np.ndarray, np.ndarray]:
+        gap = np.array([self.stop - state.displacement[0]] if np.isfinite(self.stop) else [])
+        return np.arange(len(gap)), gap
 
     def couplings(self, state: Point, margin: float) -> tuple[np.ndarray, np.ndarray]:
         return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
@@ -157,3 +162,14 @@ def test_effort_is_counted():
     assert spent.iterations <= spent.factorisations
     assert spent.evaluations == len(minimiser.problem.visited)
     assert before.iterations == 0
+
+
+def test_a_refused_step_is_corrected_for_gaps_only_where_they_are_to_blame():
+    """The well refuses steps here; the gap is straight, and nothing is to be won back from its spring."""
+    problem = Landscape(stop=5.0, spring=1.0, free=np.array([True, True, False]))
+    minimiser = Minimiser(problem, np.inf, energy_scale=1.0)
+    assert minimiser.minimise(np.array([0.58, 0.0, 0.0]), NOWHERE).ending is Ending.CONVERGED
+    spent = minimiser.effort
+    assert spent.refusals > 0
+    # One evaluation a try, and that of the start: a correction would be one more.
+    assert spent.evaluations <= 1 + spent.iterations + spent.refusals
