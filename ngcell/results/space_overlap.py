@@ -34,12 +34,13 @@ def deepest_overlap_of_solids(space: DisplacementSpace, walls: Walls, positions:
     space : DisplacementSpace
         The unknowns of the bodies.
     walls : Walls
-        Their walls, whose quadrature points are tested.
+        Their walls, whose quadrature points and nodes are tested.
     positions : array of float, shape (3, scalar unknowns)
         Deformed positions as unknowns [length].
     """
-    point = (walls.station_values @ walls.nodes(positions)).reshape(-1, 3)
-    owner = np.repeat(walls.body, len(walls.stations))
+    xi = np.concatenate([walls.stations, walls.basis.nodes])
+    point = (walls.basis.values(xi) @ walls.nodes(positions)).reshape(-1, 3)
+    owner = np.repeat(walls.body, len(xi))
     surface = find_walls(replace(space.bodies, wall_names=".*"), space.scalar, space.rest)
     triangles, body = _triangles(surface, surface.nodes(positions))
     deepest = 0.0
