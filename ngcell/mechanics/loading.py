@@ -70,19 +70,43 @@ def _plates_motion(space: DisplacementSpace, travel: Array, ends: list[Support])
 
 
 def _ends_motion(space: DisplacementSpace, load: Ends) -> PrescribedMotion:
-    """The front turns and moves rigidly; in between, the carried field grows in proportion to the height."""
-    turn = np.radians(load.twist)
-    gradient = np.zeros((3, 3))
-    gradient[:2, :2] = [[np.cos(turn) - 1, -np.sin(turn)], [np.sin(turn), np.cos(turn) - 1]]
+    """The front moves rigidly; in between, sections move, twist and tilt in proportion to their height."""
     (low, high), whole = space.bodies.extent, (True,) * 3
-    shift = np.array(load.displacement) - gradient @ ((low + high) / 2)
+    foot = np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
+    length, travel = high[2] - low[2], np.array(load.displacement)
+    twist, tilt = _about_z(np.radians(load.twist)), np.radians(load.bend)
 
     def carried(at: Array) -> Array:
-        share = (at[2] - low[2]) / (high[2] - low[2])
-        return share * (gradient @ at + shift[:, None])
+        away = at - foot[:, None]
+        share, across = away[2] / length, away * [[1.0], [1.0], [0.0]]
+        across = across + share * (twist @ across - across)
+        centre = foot[:, None] + _arc(tilt, share, length)
+        tilted = np.array([np.cos(tilt * share) * across[0], across[1], -np.sin(tilt * share) * across[0]])
+        return centre + tilted - at + share * travel[:, None]
 
+    front = foot + [0.0, 0.0, length]
+    gradient = _about_y(tilt) @ twist - np.eye(3)
+    shift = foot + _arc(tilt, np.ones(1), length)[:, 0] - front - gradient @ front + travel
     back = Support(BACK, np.zeros((3, 3)), np.zeros(3), whole)
     return PrescribedMotion(space, [back, Support(FRONT, gradient, shift, whole)], carried)
+
+
+def _arc(tilt: float, share: Array, length: float) -> Array:
+    """Return points at shares of a circular arc in the x-z plane that starts along z and ends tilted, shape (3, n)."""
+    # np.sinc(x) is sin(pi x) / (pi x): an arc without tilt is straight.
+    half = tilt * share / 2
+    chord = length * share * np.sinc(half / np.pi)
+    return np.array([chord * np.sin(half), np.zeros_like(share), chord * np.cos(half)])
+
+
+def _about_z(angle: float) -> Array:
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+
+
+def _about_y(angle: float) -> Array:
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.array([[cos, 0.0, sin], [0.0, 1.0, 0.0], [-sin, 0.0, cos]])
 
 
 def _vertices(space: DisplacementSpace, region: str) -> NDArray[np.int64]:

@@ -144,8 +144,11 @@ class Ends(BaseModel):
     twist : float
         Angle by which the front is turned about the tissue's axis at load factor 1, in degrees, in (-180, 180). On the
         way points go straight to where they end.
+    bend : float
+        Angle by which the front is tilted towards x at load factor 1, in degrees, in (-180, 180). Its centre goes to
+        where the tissue's axis ends when it is bent to a circular arc of its own length.
     displacement : tuple of float, shape (3,)
-        Displacement of the front at load factor 1, a length.
+        Displacement of the front at load factor 1, besides that of twist and bend; a length.
     levels : int or tuple of float
         Number of equal levels, or the load factors in [0, 1] that are reported.
     """
@@ -154,6 +157,7 @@ class Ends(BaseModel):
 
     kind: Literal["ends"] = "ends"
     twist: Annotated[float, Field(gt=-180, lt=180)] = 0.0
+    bend: Annotated[float, Field(gt=-180, lt=180)] = 0.0
     displacement: Annotated[tuple[float, float, float], Strict(False)] = (0.0, 0.0, 0.0)
     levels: Levels = 10
 

@@ -60,3 +60,35 @@ def test_a_closed_cell_under_pressure_is_twisted():
     untwisted = scene.model_copy(update={"load": scene.load.model_copy(update={"twist": 0.0})})
     rest = last_step(untwisted)
     assert torque * np.radians(20) / 2 == pytest.approx(step.record.energy - rest.record.energy, rel=0.1)
+
+
+def test_ends_that_tilt_bend_the_axis_to_an_arc_of_its_own_length():
+    """The carried field is that of a beam: sections stay plane and across the axis, which keeps its length."""
+    angle, height = np.radians(40), 3.0
+    scene = case(
+        height,
+        tissue={"rows": 1, "cols": 1, "wall": 0.1, "height": height},
+        load={"kind": "ends", "bend": 40.0, "twist": 30.0, "displacement": (0.1, 0.2, 0.3), "levels": 1},
+        mesh={"order": 2, "size": 0.5, "slices": 4},
+    )
+    simulation = Simulation(scene)
+    space = simulation.space
+    vertex = space.one > 0
+    rest = space.rest[:, vertex]
+    moved = rest + simulation.motion.carried(1.0).reshape(3, -1)[:, vertex]
+    share = rest[2] / height
+    centre = np.array([moved[:, rest[2] == level].mean(1) for level in np.unique(rest[2])])
+    straight = centre - np.linspace(0, 1, 5)[:, None] * [0.1, 0.2, 0.3]
+    radius = height / angle
+    middle = straight[0] + [radius, 0, 0]
+    np.testing.assert_allclose(np.linalg.norm(straight - middle, axis=1), radius, atol=1e-12)
+    np.testing.assert_allclose(np.diff(np.arctan2(straight[:, 2], middle[0] - straight[:, 0])), angle / 4, atol=1e-12)
+    along = np.array([np.sin(angle * share), np.zeros_like(share), np.cos(angle * share)])
+    section = moved - centre[np.searchsorted(np.unique(rest[2]), rest[2])].T
+    np.testing.assert_allclose((section * along).sum(0), 0, atol=1e-12)
+    front = share == 1
+    turned = Rotation.from_euler("zy", [30, 40], degrees=True).apply((rest[:, front] - [[0], [0], [height]]).T)
+    axis = rest[:, front].mean(1) - [0, 0, height]
+    expected = turned - Rotation.from_euler("zy", [30, 40], degrees=True).apply(axis) + centre[-1]
+    np.testing.assert_allclose(moved[:, front].T, expected, atol=1e-12)
+    assert np.isfinite(simulation.bulk.energy(simulation.motion.carried(1.0)))
