@@ -18,6 +18,7 @@ from ngcell.clock import Clock
 from ngcell.contact.facing import count_corners
 from ngcell.errors import CaseError, NotConverged, OutputError
 from ngcell.export import Restart, ResultFolder, cannot_resume, read_restart, read_summary
+from ngcell.footprint import entry_count, foreseen_memory
 from ngcell.results.certificate import MEANING, worst
 from ngcell.results.growth import growth_onset
 from ngcell.results.record import StepRecord
@@ -209,6 +210,7 @@ def inspect(case: AnyCase) -> dict[str, Any]:
     simulation = Simulation(case)
     gap = simulation.scene.facing.gaps(simulation.walls, simulation.walls.rest)
     assembly = simulation.released
+    entries = entry_count(assembly, simulation.longest_step)
     return {
         "bodies": simulation.bodies.body_count,
         "elements": int(simulation.bodies.mesh.ne),
@@ -222,6 +224,8 @@ def inspect(case: AnyCase) -> dict[str, Any]:
         "largest_initial_overlap": float(max(0.0, -gap.min(initial=0.0))),
         "spring_stiffness": [float(f(assembly.contact.stiffness)) for f in (np.min, np.max)],
         "levels": list(case.level_factors),
+        "matrix_entries": entries,
+        "memory_foreseen_gib": round(foreseen_memory(entries), 2),
     }
 
 

@@ -30,9 +30,11 @@ ALLOWED = {
     "blueprint": {"errors", "scene", "geometry", "mechanics"},
     "standing": {"results"},
     "simulation": {"standing", "blueprint", "clock", "scene", "geometry", "mechanics", "contact", "results", "solve"},
+    "footprint": {"contact", "solve"},
     "verification": {"errors", "scene", "results", "simulation"},
     "run": {
         "standing",
+        "footprint",
         "verification",
         "simulation",
         "errors",

@@ -1,0 +1,29 @@
+"""The memory that is foreseen: from the entries that the release's matrix has."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ngcell.footprint import entry_count, foreseen_memory
+from ngcell.run import inspect
+from ngcell.simulation import Simulation
+from tests.prisms import case
+
+
+@pytest.mark.parametrize("height", [None, 0.4])
+def test_entries_are_those_of_the_matrix_that_a_release_makes(height):
+    scene = case(height)
+    simulation = Simulation(scene)
+    minimiser = simulation._released().minimisers[0]
+    minimiser._make_room(minimiser.problem.at(np.zeros(simulation.space.unknowns)))
+    entries = entry_count(simulation.released, simulation.longest_step)
+    assert entries == minimiser._matrix.entry_count
+    told = inspect(scene)
+    assert told["matrix_entries"] == entries
+    assert told["memory_foreseen_gib"] == pytest.approx(foreseen_memory(entries), abs=0.005)
+
+
+def test_a_tissue_of_63_000_unknowns_takes_what_was_measured():
+    """5x7 prisms, two elements through walls and height: 6.1 million entries took 2.65 GiB."""
+    assert foreseen_memory(6_116_922) == pytest.approx(2.65, rel=0.05)
