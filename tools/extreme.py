@@ -1,6 +1,6 @@
 """What happens far outside comfort: each scene of `tools.extreme_points` in a process of its own, and what came of it.
 
-    python -m tools.extreme --quick               forty points, in under five minutes
+    python -m tools.extreme --quick               some forty points, in about five minutes
     python -m tools.extreme [--timeout 120]       all of them, and the perturbed ones
 
 A point ends as one of three:
@@ -176,7 +176,7 @@ def write(file: Path, rows: Sequence[Row]) -> None:
 
 
 @click.command(help=__doc__.split("\n")[0])
-@click.option("--quick", is_flag=True, help="Forty points, and no figure.")
+@click.option("--quick", is_flag=True, help="Some forty points, and no figure.")
 @click.option("--timeout", default=120.0, show_default=True, help="Seconds on the clock for one run.")
 @click.option("--only", default="", help="Points whose label has this text.")
 @click.option("--report-only", is_flag=True, help="Write table and figure of the rows that are there.")

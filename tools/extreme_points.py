@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import log, sqrt
 
+from tools import extreme_space
 from tools.extreme_scenes import MORTAR, PENALTY, WRONG, Case, blocks, burst, height, material, rings, tissue
 
 METHODS = {"penalty": PENALTY, "mortar": MORTAR}
@@ -32,7 +33,7 @@ STIFF: tuple[str, ...] = (
     "mesh: graded to 0.01, penalty",
     "unequal sizes: 0.1 on 1, penalty",
 )
-#: Forty points of all kinds that take seconds.
+#: Some forty points of all kinds that take seconds.
 QUICK: tuple[str, ...] = (
     "wall / side: 0.05, mortar",
     "wall / side: 0.2, penalty",
@@ -74,6 +75,11 @@ QUICK: tuple[str, ...] = (
     "steps: 1, sddp",
     "there and back: sddp, penalty",
     "there and back: single-step, penalty",
+    "prisms: planar",
+    "prisms: height 1, held",
+    "prisms: height 0.05",
+    "prisms: closed, pressure 0.2",
+    "prisms: bulk / shear 1e+04",
 )
 
 
@@ -96,7 +102,7 @@ class Point:
     units : tuple of float
         Units of length and stress, as multiples of those of the plain scene.
     is_quick : bool
-        Whether it is one of the forty that are tried often.
+        Whether it is one of those that are tried often.
     perturbed_from : str
         Label of the point that this one is a perturbation of; empty if it is none.
     tolerance : float
@@ -130,6 +136,7 @@ def points() -> list[Point]:
     for group in (
         thin_and_thick_walls, stiff_volumes, stiff_fillings, stiff_neighbours, second_constants, far_shear,
         crushed, swollen, penalties, units, overlaps_and_gaps, bad_meshes, unequal_sizes, step_counts, there_and_back,
+        prisms,
     ):  # fmt: skip
         found += group()
     found = [replace(point, is_quick=point.label in QUICK) for point in found]
@@ -391,3 +398,9 @@ def there_and_back() -> Iterator[Point]:
                 strategy={"kind": strategy}, expected=[rest],
             )  # fmt: skip
             yield Point("there and back", f"{strategy}, {name}", case)
+
+
+def prisms() -> Iterator[Point]:
+    """Prisms: flat and tall, thin and stiff, closed and turned."""
+    for setting, case, same_as in extreme_space.entries():
+        yield Point("prisms", setting, case, same_as=same_as)
