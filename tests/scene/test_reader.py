@@ -44,6 +44,7 @@ BODIES = [
 TISSUES = [
     "frame-shear",
     "shear-empty",
+    "shear-empty-3d",
     "shear-empty-3x3",
     "shear-empty-single-step",
     "shear-cohesive",

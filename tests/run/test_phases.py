@@ -1,0 +1,16 @@
+"""The figure of a run's phases."""
+
+from __future__ import annotations
+
+import pytest
+
+from tools import phases
+
+SECONDS = {"on_the_clock": 70.0, "processor": 100.0, "processor_by_phase": {"a": 10.0, "b": 80.0, "c": 0.4}}
+
+
+def test_bars_are_all_seconds_and_the_short_ones_are_one(tmp_path):
+    assert phases.bars(SECONDS) == [("b", 80.0), ("a", 10.0), ("all others", pytest.approx(10.0))]
+    about = {"title": "t", "unknowns": 5, "iterations": 2, "factorisations": 3, "outcome": "certified"}
+    phases.draw(about | {"seconds": SECONDS}, tmp_path / "phases.png")
+    assert (tmp_path / "phases.png").stat().st_size > 1000
