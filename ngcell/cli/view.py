@@ -14,10 +14,15 @@ import click
     type=click.Path(dir_okay=False, path_type=Path),
     help="Write a picture to this file instead of opening a window.",
 )
-def view(folder: Path, screenshot: Path | None) -> None:
+@click.option(
+    "--clip",
+    type=click.FloatRange(0, 1, min_open=True),
+    help="Show of bodies in space what lies below this share of their height.",
+)
+def view(folder: Path, screenshot: Path | None, clip: float | None) -> None:
     """Show the deformed tissue that a run left in DIR."""
     from ngcell.export import show
 
-    picture = show(folder, screenshot=screenshot)
+    picture = show(folder, screenshot=screenshot, clip=clip)
     if picture is not None:
         click.echo(str(picture))

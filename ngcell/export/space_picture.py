@@ -28,7 +28,7 @@ def is_of_solids(snapshot: Snapshot) -> bool:
     return snapshot.bulk.cell_type in SOLIDS
 
 
-def space_plot(snapshot: Snapshot, *, title: str, certified: bool, **window: Any) -> Any:
+def space_plot(snapshot: Snapshot, *, title: str, certified: bool, clip: float | None = None, **window: Any) -> Any:
     """Return a pyvista plotter that shows a snapshot of bodies in space.
 
     Parameters
@@ -39,6 +39,8 @@ def space_plot(snapshot: Snapshot, *, title: str, certified: bool, **window: Any
         Heading; may be empty.
     certified : bool
         Whether the result passed every check.
+    clip : float, optional
+        Share of the height at rest above which bodies are cut off, in (0, 1]; by default nothing is.
     window
         What is handed to `pyvista.Plotter`.
     """
@@ -48,6 +50,7 @@ def space_plot(snapshot: Snapshot, *, title: str, certified: bool, **window: Any
     plotter.set_background("white")
     bodies = _moved(snapshot.bulk)
     bodies["X displacement"] = snapshot.bulk.point_data["displacement"][:, 0]
+    bodies = _below(bodies, snapshot, snapshot.bulk, clip)
     surface = bodies.extract_surface(nonlinear_subdivision=2, algorithm="dataset_surface")
     bar = {"color": "black", "title": "X displacement", "vertical": True}
     plotter.add_mesh(surface, scalars="X displacement", cmap="viridis", scalar_bar_args=bar, ambient=0.35)
@@ -55,10 +58,12 @@ def space_plot(snapshot: Snapshot, *, title: str, certified: bool, **window: Any
     gap = np.nan_to_num(snapshot.walls.point_data["gap"], nan=0.0)
     walls = _moved(snapshot.walls)
     walls["gap"] = gap
+    walls = _below(walls, snapshot, snapshot.walls, clip)
     largest = float(gap.max(initial=0.0))
     if largest > 0:
         opened = walls.threshold(_MARKED * largest, scalars="gap", method="upper")
-        plotter.add_mesh(opened, color="#d21f1f", opacity=0.55, show_scalar_bar=False)
+        if opened.n_points:
+            plotter.add_mesh(opened, color="#d21f1f", opacity=0.55, show_scalar_bar=False)
     note = f"plate displacement {snapshot.plate_displacement:.4g}; red: apart by more than {_MARKED * largest:.2g}"
     plotter.add_text(f"{title}\n{note}", color="black", font_size=11, position="upper_left")
     if not certified:
@@ -69,7 +74,7 @@ def space_plot(snapshot: Snapshot, *, title: str, certified: bool, **window: Any
     return plotter
 
 
-def draw_solids(snapshot: Snapshot, path: Path, *, title: str, certified: bool) -> Path:
+def draw_solids(snapshot: Snapshot, path: Path, *, title: str, certified: bool, clip: float | None = None) -> Path:
     """Draw bodies in space into a PNG file, without a display; parameters as for `space_plot`.
 
     Raises
@@ -77,12 +82,23 @@ def draw_solids(snapshot: Snapshot, path: Path, *, title: str, certified: bool) 
     OutputError
         If the file cannot be written.
     """
-    plotter = space_plot(snapshot, title=title, certified=certified, off_screen=True, window_size=list(_SIZE))
+    plotter = space_plot(
+        snapshot, title=title, certified=certified, clip=clip, off_screen=True, window_size=list(_SIZE)
+    )
     image = io.BytesIO()
     plotter.screenshot(image)
     plotter.close()
     replace_file(Path(path), image.getvalue())
     return Path(path)
+
+
+def _below(shown: Any, snapshot: Snapshot, grid: Grid, clip: float | None) -> Any:
+    """Return what lies, at rest, below a share of the height of all bodies."""
+    if clip is None:
+        return shown
+    height = snapshot.bulk.points[:, 2]
+    shown["height"] = grid.points[:, 2]
+    return shown.clip_scalar(scalars="height", value=float(height.min() + clip * np.ptp(height)))
 
 
 def _moved(grid: Grid) -> Any:

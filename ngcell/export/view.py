@@ -14,7 +14,7 @@ from ngcell.export.summary import SUMMARY, read_summary
 from ngcell.results.snapshot import Snapshot
 
 
-def show(folder: Path, screenshot: Path | None = None) -> Path | None:
+def show(folder: Path, screenshot: Path | None = None, clip: float | None = None) -> Path | None:
     """Show the deformed tissue of the last snapshot in `folder`.
 
     Parameters
@@ -24,6 +24,8 @@ def show(folder: Path, screenshot: Path | None = None) -> Path | None:
     screenshot : Path, optional
         PNG file to write instead of opening a window. Without a display, and none given, it is `tissue.png`
         in `folder`, for bodies in space `tissue-3d.png`.
+    clip : float, optional
+        Share of the height above which bodies in space are cut off, in (0, 1].
 
     Returns
     -------
@@ -41,10 +43,11 @@ def show(folder: Path, screenshot: Path | None = None) -> Path | None:
     certified = certified and summary.get("certified") is not False
     title = str(summary.get("title") or folder.resolve().name)
     if screenshot is None and _has_display():
-        _open_window(snapshot, title, certified)
+        _open_window(snapshot, title, certified, clip)
         return None
     if is_of_solids(snapshot):
-        return draw_solids(snapshot, Path(screenshot or folder / "tissue-3d.png"), title=title, certified=certified)
+        file = Path(screenshot or folder / "tissue-3d.png")
+        return draw_solids(snapshot, file, title=title, certified=certified, clip=clip)
     return draw_tissue(snapshot, Path(screenshot or folder / "tissue.png"), title=title, certified=certified)
 
 
@@ -54,16 +57,14 @@ def _has_display() -> bool:
     return True
 
 
-def _open_window(snapshot: Snapshot, title: str, certified: bool) -> None:
+def _open_window(snapshot: Snapshot, title: str, certified: bool, clip: float | None) -> None:
     if is_of_solids(snapshot):
-        space_plot(snapshot, title=title, certified=certified).show()
+        space_plot(snapshot, title=title, certified=certified, clip=clip).show()
         return
     import pyvista
 
     bulk = snapshot.bulk
-    mesh = pyvista.UnstructuredGrid(
-        {bulk.cell_type: bulk.cells}, bulk.points + bulk.point_data["displacement"]
-    )
+    mesh = pyvista.UnstructuredGrid({bulk.cell_type: bulk.cells}, bulk.points + bulk.point_data["displacement"])
     mesh["X displacement"] = bulk.point_data["displacement"][:, 0]
     plotter: Any = pyvista.Plotter(title=title)  # its decorated methods lose their types
     plotter.set_background("white")

@@ -49,11 +49,13 @@ def test_schema_is_json() -> None:
 
 
 def test_view_hands_folder_and_picture_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    shown: list[tuple[Path, Path | None]] = []
-    monkeypatch.setattr(export, "show", lambda folder, screenshot=None: shown.append((folder, screenshot)))
-    answer = CliRunner().invoke(ngcell, ["view", str(tmp_path), "--screenshot", str(tmp_path / "a.png")])
-    assert answer.exit_code == 0
-    assert shown == [(tmp_path, tmp_path / "a.png")]
+    shown: list[tuple[Path, Path | None, float | None]] = []
+    monkeypatch.setattr(export, "show", lambda folder, **how: shown.append((folder, how["screenshot"], how["clip"])))
+    words = ["view", str(tmp_path), "--screenshot", str(tmp_path / "a.png")]
+    assert CliRunner().invoke(ngcell, words).exit_code == 0
+    assert CliRunner().invoke(ngcell, [*words, "--clip", "0.5"]).exit_code == 0
+    assert shown == [(tmp_path, tmp_path / "a.png", None), (tmp_path, tmp_path / "a.png", 0.5)]
+    assert CliRunner().invoke(ngcell, [*words, "--clip", "0"]).exit_code == 2
 
 
 def test_view_of_a_folder_without_results_is_one_line(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ from matplotlib.image import imread
 from ngcell.errors import OutputError
 from ngcell.export import SnapshotSeries, draw_curves, draw_debonding, draw_tissue, show, write_summary
 from ngcell.export.outline import cell_loops, planar_view
+from ngcell.export.space_picture import _below, _moved
 from ngcell.results.patterns import pattern_of
 from ngcell.results.snapshot import Grid, Snapshot
 
@@ -155,3 +156,14 @@ def test_prisms_are_seen_from_above():
     (loop,) = cell_loops(seen)
     assert loop.outer
     np.testing.assert_allclose(seen.points[loop.points[0], :2], [0, 0])
+
+
+def test_bodies_are_cut_at_a_share_of_their_height_at_rest():
+    """Of two hexahedra on top of each other, moved up by half of their height, the lower half of the lower is left."""
+    nodes = pattern_of(ngsolve.ET.HEX, 2).points
+    points = np.concatenate([nodes, nodes + [0, 0, 1]])
+    grid = Grid(points, np.arange(54).reshape(2, 27), 29, {"displacement": 0 * points + [0, 0, 1]}, {})
+    snapshot = Snapshot(step=0, load_factor=1.0, plate_displacement=0.0, bulk=grid, walls=grid)
+    low, high = _below(_moved(grid), snapshot, grid, 0.25).bounds[4:]
+    assert (low, high) == pytest.approx((1.0, 1.5))
+    assert _below(_moved(grid), snapshot, grid, None).bounds[5] == 3
