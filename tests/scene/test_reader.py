@@ -54,6 +54,7 @@ TISSUES = [
     "shear-pressurised",
     "shear-uniform-pressure",
     "stretch-plates",
+    "twist-closed-3d",
 ]
 SHIPPED = sorted(BODIES + TISSUES)
 
