@@ -70,7 +70,6 @@ def space_plot(snapshot: Snapshot, *, title: str, certified: bool, clip: float |
         plotter.add_text(NOT_CERTIFIED, color="red", position="upper_right")
     plotter.camera_position = [(-0.5, -0.9, 1.1), (0, 0, 0), (0, 1, 0)]
     plotter.reset_camera()
-    plotter.camera.zoom(1.3)
     return plotter
 
 

@@ -42,6 +42,7 @@ BODIES = [
     "stacked-blocks",
 ]
 TISSUES = [
+    "bend-filled-3d",
     "frame-shear",
     "shear-empty",
     "shear-empty-3d",
