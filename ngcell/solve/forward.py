@@ -114,7 +114,7 @@ class ForwardWalk:
         self._apply(load)
         at_rest = self._motion.imposed(np.zeros(len(self._problem.free)), 0.0)
         state = self._problem.at(at_rest if displacement is None else displacement)
-        place = _Place(load, Minimum(state, Ending.CONVERGED, 0.0), dissipation)
+        place = _Place(load, Minimum(state, Ending.CONVERGED, 0.0, Tether(0.0, state.displacement)), dissipation)
         shortest = float(np.abs(np.diff([0.0, *targets])).min()) / 2**MOST_HALVINGS
         increment = increment or abs(targets[0])
         for number, target in enumerate(targets[done:], done):
@@ -149,7 +149,7 @@ class ForwardWalk:
             least = 0.0 if is_shortest else SNAPPED
             lost, mismatch, share = self._balance(start, moved, self._stand(minimum.state, goal), least)
             _log.info("step to %.6g: %s, mismatch %.1e, lost %.1e", goal, minimum.ending.value, share, lost)
-            if minimum.ending is Ending.CONVERGED and share <= MISMATCH:
+            if minimum.is_found and share <= MISMATCH:
                 account = Account(place.dissipation + lost, mismatch, share)
                 return _Place(goal, minimum, account.dissipation), tether, account
         self._apply(place.load)
@@ -160,7 +160,7 @@ class ForwardWalk:
         while True:
             tether = self._released.path.last_tether(start)
             minimum = self._minimiser.minimise(start, tether)
-            if minimum.ending is not Ending.CONVERGED:
+            if not minimum.is_found:
                 return minimum, tether
             fallen = float(np.abs(minimum.state.displacement - start).max())
             if fallen <= self._minimiser.longest_step:

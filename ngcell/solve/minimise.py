@@ -51,6 +51,7 @@ class Ending(Enum):
     """How a minimisation ended."""
 
     CONVERGED = "converged"
+    STALLED = "forces are round-off, or steps go to and fro at a kink"
     TOO_MANY_ITERATIONS = "too many iterations"
     NO_DESCENT = "no step lowers the energy"
     NO_ENERGY = "elements are inverted at the start"
@@ -85,11 +86,19 @@ class Minimum:
         How it ended.
     decrement : float
         Newton decrement ``g K^-1 g`` [energy] of the last step.
+    tether : Tether
+        What pulled at it.
     """
 
     state: State
     ending: Ending
     decrement: float
+    tether: Tether
+
+    @property
+    def is_found(self) -> bool:
+        """Whether there is a minimum, as far as the minimisation can tell."""
+        return self.ending in (Ending.CONVERGED, Ending.STALLED)
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,22 +143,22 @@ class Minimiser:
         state, shift, decrement = self._at(start), 0.0, float("inf")
         lowest, idle = decrement, 0
         if not np.isfinite(state.energy):
-            return Minimum(state, Ending.NO_ENERGY, decrement)
+            return Minimum(state, Ending.NO_ENERGY, decrement, tether)
         for _ in range(self.most_iterations):
             self.effort.iterations += 1
             advance = self._descend(state, tether, shift, tolerance)
             if advance is None:
-                return Minimum(state, Ending.NO_DESCENT, decrement)
+                return Minimum(state, Ending.NO_DESCENT, decrement, tether)
             state, shift, decrement = advance.state, advance.shift, advance.decrement
             if advance.shift_used == 0 and (decrement <= tolerance or self._is_lost(state, decrement)):
-                return Minimum(state, Ending.CONVERGED, decrement)
+                return Minimum(state, Ending.CONVERGED, decrement, tether)
             if decrement < lowest / 4:
                 lowest, idle = decrement, 0
             elif decrement <= 4 * lowest:
                 idle += 1
             if idle == IDLE and lowest <= max(STALLED * abs(state.energy), UNSEEN * NOISE * self.energy_scale):
-                return Minimum(state, Ending.CONVERGED, decrement)
-        return Minimum(state, Ending.TOO_MANY_ITERATIONS, decrement)
+                return Minimum(state, Ending.STALLED, decrement, tether)
+        return Minimum(state, Ending.TOO_MANY_ITERATIONS, decrement, tether)
 
     def predict(self, displacement: Array, imposed: Array, weight: float) -> Array:
         """Return the displacement that follows, to first order, when prescribed values jump to those of `imposed`.
@@ -193,13 +202,13 @@ class Minimiser:
     def _descend(self, state: State, tether: Tether, shift: float, tolerance: float) -> _Advance | None:
         """Return the next iterate, or None if no shift makes a step that lowers the energy.
 
-        A state whose own decrement is within the tolerance is the end, even where a kink ahead spoils the step.
+        A state whose own decrement is within the tolerance is the last but one, even where a kink spoils its step.
         """
         with self.clock.phase("assembly"):
             line = self.problem.linearise(state)
         energy = state.energy + self.tether_energy(state.displacement, tether)
         lost = max(ROUND_OFF * abs(energy), NOISE * self.energy_scale)
-        model = self._model(state, line, tether, shift)
+        model, is_last = self._model(state, line, tether, shift), False
         for _ in range(MOST_REFUSALS):
             step, change = self._step(model)
             decrement = -float(model.full_gradient() @ step)
@@ -214,10 +223,10 @@ class Minimiser:
                         if bent_gain > POOR * -change:
                             trial, gain = bent_trial, bent_gain
                 quality = gain / -change if change < 0 else -np.inf
-                if quality <= POOR and shift == 0 and decrement <= tolerance:
-                    return _Advance(state, 0.0, decrement, 0.0)
+                is_last = is_last or (shift == 0 and decrement <= tolerance)
                 if quality > POOR:
-                    return _Advance(trial, self._relaxed(shift, quality, model, step), decrement, shift)
+                    relaxed = self._relaxed(shift, quality, model, step)
+                    return _Advance(trial, relaxed, decrement, 0.0 if is_last else shift)
             raised = max(RAISE * shift, self._weight_of(FELT, model, step))
             model, shift = self._raised(model, raised - shift), raised
             self.effort.refusals += 1

@@ -10,7 +10,8 @@ The path starts at the minimum without contact, which is unique under a strong t
 corners meet corners, and it is the forces in the walls, not the round-off of a start, that decide which way they part.
 So the equilibrium follows from anchor and energy alone, not from load steps or from where the walk came from. In the
 limit, floating cells sit as near to the anchor as contact allows. What the last tether still holds is measured and
-reported.
+reported. Cells that hardly anything holds may chatter on corners of others without end: where the last stretch, from
+`ENOUGH` to `LAST`, takes longer than the way to it, or stalls, the path ends at `ENOUGH`.
 
 Numbers: the scale of the strength is shear modulus over cell size squared, which makes the walk independent of units.
 At ``FIRST`` the tether outweighs everything but the wall's own stiffness, and no pressure in the cells drives walls
@@ -34,7 +35,7 @@ Array = NDArray[np.float64]
 
 _log = logging.getLogger(__name__)
 
-FIRST, LAST = 1e3, 1e-9
+FIRST, ENOUGH, LAST = 1e3, 1e-7, 1e-9
 #: Decades by which the tether falls from one minimisation to the next, at least and at most.
 NARROWEST, WIDEST = 0.5, 1.0
 #: Share of the longest step to which the place is rounded where a walk begins.
@@ -50,13 +51,20 @@ UPDATE = 0.1
 #: Share of the longest step by which conditions of contact and fluids may be missed at the end, and the most updates
 #: to get there.
 CONDITION, MOST_UPDATES = 1e-12, 40
-#: The same where updates hardly help: pressures of conditions that bind each other drift, and nothing else.
-FAINT = 1e-7
 #: Share of what was missed before above which an update was slow.
 SLOW = 0.25
 #: Share of the energy that is nothing: a decrement on the way, or what is missed where updates hardly help, as slivers
 #: of walls bear nothing.
 NOTHING = 1e-11
+
+
+@dataclass(frozen=True, eq=False)
+class _Enough:
+    """Where a path may end if need be: a place, the strength of the tether there, and the iterations up to it."""
+
+    place: Array
+    strength: float
+    way: int
 
 
 @dataclass(frozen=True)
@@ -96,21 +104,28 @@ class Release:
         # Down to round-off, and then cut, so that whatever the start, the walk goes on from the same place.
         strength, decades = self.first, self.narrowest
         minimum, _ = self._minimise(apart, start, anchor, strength, 0.0)
-        rest, missed = list(minimisers), 0.0
+        rest, missed, way, enough = list(minimisers), 0.0, 0, None
         for minimiser in minimisers:
             minimiser.forget_matrix()
         place = _without_round_off(minimum.state.displacement, minimisers[0])
-        while minimum.ending is Ending.CONVERGED:
+        while minimum.is_found and not (enough and way > 2 * enough.way):
             minimiser, is_end = rest[0], len(rest) == 1 and strength <= self.last
+            if enough is None and len(rest) == 1 and self.last < strength <= ENOUGH:
+                enough = _Enough(place, strength, way)
             share, least = (AT_THE_END, 0.0) if is_end else (ON_THE_WAY, NOTHING * abs(minimum.state.energy))
-            enough = max(UPDATE * missed, least)
-            minimum, factorisations = self._minimise(minimiser, place, anchor, strength, share, enough)
-            if minimum.ending is not Ending.CONVERGED:
+            tolerance = max(UPDATE * missed, least)
+            before = minimiser.effort.copy()
+            minimum, factorisations = self._minimise(minimiser, place, anchor, strength, share, tolerance)
+            way += (minimiser.effort - before).iterations
+            if not minimum.is_found:
                 break
             place = minimum.state.displacement
             if is_end:
-                tether, length = self.last_tether(anchor), minimiser.longest_step
-                return until_conditions_hold(minimiser, minimum, tether, length, self.last)
+                most = 2 * enough.way - way if enough else None
+                minimum = until_conditions_hold(minimiser, minimum, minimiser.longest_step, strength, most)
+                if enough is None or minimum.ending is Ending.CONVERGED:
+                    return minimum
+                break
             _, missed = minimiser.problem.improve(minimum.state)
             if len(rest) > 1 and strength <= max(STIFFEN_AT, self.last):
                 rest.pop(0)
@@ -121,7 +136,13 @@ class Release:
             decades = min(2 * decades, WIDEST) if factorisations <= 1 else self.narrowest
             milestone = max(STIFFEN_AT, self.last) if len(rest) > 1 else self.last
             strength = max(strength / 10**decades, milestone)
-        return minimum
+        if enough is None:
+            return minimum
+        _log.info("the path ends at %.0e", enough.strength)
+        minimum, _ = self._minimise(minimisers[-1], enough.place, anchor, enough.strength, AT_THE_END)
+        if not minimum.is_found:
+            return minimum
+        return until_conditions_hold(minimisers[-1], minimum, minimisers[-1].longest_step, enough.strength)
 
     def last_tether(self, anchor: Array) -> Tether:
         """Return the tether at the path's end."""
@@ -137,23 +158,27 @@ class Release:
 
 
 def until_conditions_hold(
-    minimiser: Minimiser, minimum: Minimum, tether: Tether, length: float, name: float = 0.0
+    minimiser: Minimiser, minimum: Minimum, length: float, name: float = 0.0, most: int | None = None
 ) -> Minimum:
-    """Improve and minimise in turn until what is missed is nothing beside `length`."""
-    before, was_hastened = float("inf"), False
+    """Improve and minimise in turn until what is missed is nothing beside `length`, in at most so many iterations."""
+    before, was_hastened, spent = float("inf"), False, minimiser.effort.iterations
     for _ in range(MOST_UPDATES):
         missed, energy = minimiser.problem.improve(minimum.state)
-        nothing = missed <= FAINT * length or energy <= NOTHING * abs(minimum.state.energy)
-        if missed <= CONDITION * length or (was_hastened and missed > before / 2 and nothing):
+        helpless = was_hastened and missed > before / 2 and energy <= NOTHING * abs(minimum.state.energy)
+        if missed <= CONDITION * length or helpless:
             return minimum
         _log.info("conditions missed by %.1e", missed)
         was_hastened = missed > SLOW * before
         if was_hastened:
             minimiser.problem.hasten()
         before = missed
-        minimum = _minimise(minimiser, minimum.state.displacement, tether, AT_THE_END, name, UPDATE * energy)
-        if minimum.ending is not Ending.CONVERGED:
+        minimum = _minimise(
+            minimiser, minimum.state.displacement, minimum.tether, AT_THE_END, name, UPDATE * energy
+        )
+        if not minimum.is_found:
             return minimum
+        if most is not None and minimiser.effort.iterations - spent > most:
+            break
     return replace(minimum, ending=Ending.CONDITIONS_MISSED)
 
 

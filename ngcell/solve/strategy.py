@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.solve.effort import Effort
-from ngcell.solve.minimise import Ending, Minimiser, Minimum, Tether
+from ngcell.solve.minimise import Minimiser, Minimum, Tether
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.selection import Release, until_conditions_hold
 
@@ -189,11 +189,11 @@ class Released:
             self.loads.apply(load)
         tether = self.path.last_tether(anchor)
         minimum = self._alone(start, tether) or self.path.select(self.apart, self.minimisers, start, anchor)
-        if self.is_mixed and minimum.ending is Ending.CONVERGED:
-            minimum = self.minimisers[-1].minimise(minimum.state.displacement, tether)
-        if minimum.ending is not Ending.CONVERGED:
+        if self.is_mixed and minimum.is_found:
+            minimum = self.minimisers[-1].minimise(minimum.state.displacement, minimum.tether)
+        if not minimum.is_found:
             raise StepFailed(Outcome.RELEASE_FAILED, load)
-        return Accepted("contact", load, minimum, tether, self.effort - before)
+        return Accepted("contact", load, minimum, minimum.tether, self.effort - before)
 
     def _alone(self, start: Array, tether: Tether) -> Minimum | None:
         """Return the minimum of a body that is alone; None if there are more, or if none was found."""
@@ -201,9 +201,9 @@ class Released:
             return None
         minimiser = self.minimisers[-1]
         minimum = minimiser.minimise(start, tether)
-        if minimum.ending is Ending.CONVERGED:
-            minimum = until_conditions_hold(minimiser, minimum, tether, self.longest_step)
-        return minimum if minimum.ending is Ending.CONVERGED else None
+        if minimum.is_found:
+            minimum = until_conditions_hold(minimiser, minimum, self.longest_step)
+        return minimum if minimum.is_found else None
 
 
 def compact_then_released(
@@ -296,9 +296,9 @@ def _compact_step(
         if released.loads is not None:
             released.loads.apply(goal)
         minimum = _compact_minimum(compact, motion.imposed(start, goal), tether)
-        if minimum.ending is Ending.CONVERGED:
-            minimum = until_conditions_hold(compact[-1], minimum, tether, released.longest_step)
-        if minimum.ending is Ending.CONVERGED:
+        if minimum.is_found:
+            minimum = until_conditions_hold(compact[-1], minimum, released.longest_step)
+        if minimum.is_found:
             displacement, reached = minimum.state.displacement, goal
             if reached == target:
                 return Accepted("compact", target, minimum, tether, _effort(compact) - before)
@@ -312,7 +312,7 @@ def _compact_step(
 def _compact_minimum(compact: Sequence[Minimiser], start: Array, tether: Tether) -> Minimum:
     for minimiser in compact:
         minimum = minimiser.minimise(start, tether)
-        if minimum.ending is not Ending.CONVERGED:
+        if not minimum.is_found:
             break
         start = minimum.state.displacement
     return minimum

@@ -179,7 +179,7 @@ class FakeMinimiser:
         found = goal - self.reached <= self.stride + 1e-12
         self.reached = goal if found else self.reached
         ending = Ending.CONVERGED if found else Ending.NO_DESCENT
-        return Minimum(SimpleNamespace(displacement=start, energy=0.0), ending, 0.0)
+        return Minimum(SimpleNamespace(displacement=start, energy=0.0), ending, 0.0, tether)
 
     def forget_matrix(self) -> None:
         pass
