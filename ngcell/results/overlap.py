@@ -3,7 +3,7 @@
 This shares nothing with the contact search: wall edges are chained by common unknowns to closed outlines,
 each body becomes a polygon, and points of every wall are tested against the polygons of all other bodies. An
 outline's holes count only where they are walls. A hollow cell whose lumen is no wall is filled: a cell that
-it swallowed overlaps it.
+it swallowed overlaps it. A body whose outline is not walls all around becomes the polygon of all its boundaries.
 
 A polygon follows each edge by `_CHORDS` chords, so a depth is right to about the edge's bulge / `_CHORDS`**2.
 """
@@ -25,7 +25,7 @@ Index = NDArray[np.int64]
 _CHORDS = 16
 
 
-def deepest_overlap(walls: Walls, nodes: Array) -> float:
+def deepest_overlap(walls: Walls, nodes: Array, whole: tuple[Walls, Array] | None = None) -> float:
     """Return the largest depth [length], >= 0, by which a wall point of a body lies inside another body.
 
     Parameters
@@ -34,14 +34,20 @@ def deepest_overlap(walls: Walls, nodes: Array) -> float:
         The walls.
     nodes : array of float, shape (edges, order + 1, 2)
         Deformed positions of their Lagrange nodes [length].
+    whole : tuple of Walls and array, optional
+        All boundaries of all bodies as if they were walls, and their nodes.
 
     Notes
     -----
     A depth is the distance to the nearest wall of the body that the point lies in. Each edge has
-    `2 order + 1` points; a tip of another shape between them is not seen. A body whose outer boundary is not
-    wholly walls has no inside here: its points are tested, but none is tested against it.
+    `2 order + 1` points; a tip of another shape between them is not seen. Without `whole`, a body whose outer boundary
+    is not wholly walls has no inside here: its points are tested, but none is tested against it.
     """
     bodies, polygons = _polygons(walls, nodes)
+    if whole is not None:
+        further, more = _polygons(*whole)
+        is_new = ~np.isin(further, bodies)
+        bodies, polygons = np.append(bodies, further[is_new]), np.append(polygons, more[is_new])
     places, owner = _wall_points(walls, nodes)
     place, polygon = shapely.STRtree(polygons).query(shapely.points(places))
     foreign = owner[place] != bodies[polygon]
@@ -51,6 +57,11 @@ def deepest_overlap(walls: Walls, nodes: Array) -> float:
     outlines = shapely.boundary(polygons)[polygon[inside]]
     depth = shapely.distance(outlines, shapely.points(places[place[inside]]))
     return float(depth.max(initial=0.0))
+
+
+def has_all_outlines(walls: Walls, body_count: int) -> bool:
+    """Return whether the walls go all around each body."""
+    return len(_outlines(walls)[0]) == body_count
 
 
 def _wall_points(walls: Walls, nodes: Array) -> tuple[Array, Index]:
