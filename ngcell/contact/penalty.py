@@ -8,7 +8,8 @@ modulus M of the softer body of the pair: a contact pressure p then overlaps the
 which is what p does to the thickness of `1 / multiple` such layers. Where that is not enough (a wall may be much
 stiffer than its layer, as on a filled cell or a thick ring), springs that took over from softer ones learn: at an
 equilibrium whose overlaps are too deep, or store too large a share of the energy, they are made stiffer and the
-equilibrium is sought again.
+equilibrium is sought again. Where walls bend so much that they sink in between the points of the rule, the rule is
+made finer instead, once.
 """
 
 from __future__ import annotations
@@ -109,7 +110,8 @@ class PenaltyContact:
         self._derived, self._factor = stiffness, 1.0
         self.reach = reach
         self._may_learn, self._learns = may_learn, False
-        self._search = PartnerSearch(walls, walls.stationed, reach)
+        self._usual = self._search = PartnerSearch(walls, walls.stationed, reach)
+        self._finer = PartnerSearch(walls, walls.halved(), reach) if may_learn and walls.dimension == 2 else None
 
     @property
     def stiffness(self) -> Array:
@@ -141,6 +143,7 @@ class PenaltyContact:
     def follow(self, other: ContactMethod, positions: Array) -> None:
         """Forget what was learned; from now on springs learn, unless they go on from themselves."""
         self._factor, self._learns = 1.0, self._may_learn and other is not self
+        self._search = self._usual
 
     def improve(
         self, contact: ContactSet, positions: Array, stored: Callable[[], float]
@@ -151,10 +154,22 @@ class PenaltyContact:
         deepest = max(0.0, -float(contact.gaps(positions).min(initial=0.0)))
         if deepest <= NO_OVERLAP * self.reach:
             return 0.0, 0.0
+        between = self._deepest_between(positions)
+        if self._finer is not None and between > max(DEEP * self.reach, 2 * deepest):
+            self._search = self._finer
+            return between, 0.0
         if deepest <= DEEP * self.reach and contact.energy(positions) <= HIGH * stored():
             return 0.0, 0.0
         self._factor *= STIFFEN
         return deepest, 0.0
+
+    def _deepest_between(self, positions: Array) -> float:
+        """Return the deepest overlap [length] at the points of the finer rule; 0 where it is in use."""
+        if self._finer is None or self._search is self._finer:
+            return 0.0
+        partners = self._finer.partners(self.walls.nodes(positions))
+        gaps = gap_kinematics(self.walls, partners, positions).gaps(positions)
+        return max(0.0, -float(gaps.min(initial=0.0)))
 
     def hasten(self) -> None:
         """Do nothing: stiffer springs are learned as fast as can be."""

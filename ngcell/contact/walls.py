@@ -146,6 +146,14 @@ class Walls:
         edge, xi = np.repeat(np.arange(edges), count), np.tile(self.stations, (edges,) + (1,) * (self.dimension - 2))
         return WallPoints(edge, xi, self.weights.ravel())
 
+    def halved(self) -> WallPoints:
+        """Return the quadrature points of the rule that takes each half of an edge as an edge."""
+        first, share = lobatto(len(self.stations))
+        xi = np.concatenate([first / 2, 0.5 + first[1:] / 2])
+        share = np.concatenate([share, np.zeros(len(share) - 1)]) + np.concatenate([np.zeros(len(share) - 1), share])
+        weights = share / 2 * self.stretch(self.rest, xi)
+        return WallPoints(np.repeat(np.arange(self.edge_count), len(xi)), np.tile(xi, self.edge_count), weights.ravel())
+
     @cached_property
     def ends(self) -> Index:
         """Scalar unknowns of the vertices at the start and at the end of each edge, shape (edges, 2)."""

