@@ -289,4 +289,9 @@ def _classified(
     slid_past = at_end & ends_here & (height < 0) & (np.abs(aside) > np.abs(height))
     kept = ~slid_past
     sign = np.where(height < 0, -1.0, 1.0)
+    doubtful = np.flatnonzero(at_end & ~ends_here & (height < 0))
+    if len(doubtful):
+        # The nearest point of a body is a convex corner only for points outside, however the corner's edges bend.
+        turning = walls.turning_at(nodes)[other[doubtful], (xi[doubtful] >= 0.5).astype(int)]
+        sign[doubtful[turning > 0]] = 1.0
     return Partners(*(array[kept] for array in (*own, other, xi, at_end, sign)))
