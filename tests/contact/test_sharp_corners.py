@@ -1,0 +1,19 @@
+"""Corners of cells drawn out to needles push nobody away who is beside them."""
+
+from ngcell import read_case
+from ngcell.simulation import Simulation
+
+SETS = (
+    "tissue.rows=2",
+    "tissue.cols=2",
+    'load.kind="frame"',
+    "load.shear=-2.0",
+    "load.levels=1",
+    'strategy.kind="single-step"',
+)
+
+
+def test_a_far_sheared_frame_is_certified():
+    (step,) = Simulation(read_case("frame-shear", SETS)).walk()
+    assert step.measurement.certificate.passed
+    assert step.record.energy > 0
