@@ -87,7 +87,13 @@ class Release:
     narrowest: float = NARROWEST
 
     def select(
-        self, apart: Minimiser, minimisers: Sequence[Minimiser], start: Array, anchor: Array
+        self,
+        apart: Minimiser,
+        minimisers: Sequence[Minimiser],
+        start: Array,
+        anchor: Array,
+        *,
+        may_stall: bool = True,
     ) -> Minimum:
         """Walk the path and return its end; a minimisation that fails ends the walk.
 
@@ -100,6 +106,9 @@ class Release:
             `STIFFEN_AT`, where the others take over one after the other, and to its end with the last.
         start, anchor : array of float, shape (unknowns,)
             Where the walk starts and where the tether pulls to [length].
+        may_stall : bool
+            Whether a minimisation may stall where the tether is still strong; what lies behind may be another
+            equilibrium, and a smaller load step would not have come there.
         """
         # Down to round-off, and then cut, so that whatever the start, the walk goes on from the same place.
         strength, decades = self.first, self.narrowest
@@ -119,6 +128,8 @@ class Release:
             before = minimiser.effort.copy()
             minimum, factorisations = self._minimise(minimiser, place, anchor, strength, share, tolerance)
             way += (minimiser.effort - before).iterations
+            if minimum.ending is Ending.STALLED and strength > STIFFEN_AT and not may_stall:
+                minimum = replace(minimum, ending=Ending.NO_DESCENT)
             if not minimum.is_found:
                 break
             place = minimum.state.displacement

@@ -176,8 +176,8 @@ class Released:
         """Return the displacement that follows, to first order, when prescribed values jump."""
         return self.minimisers[-1].predict(displacement, imposed, self.path.scale * self.path.last)
 
-    def step(self, start: Array, anchor: Array, load: float) -> Accepted:
-        """Return the selected equilibrium.
+    def step(self, start: Array, anchor: Array, load: float, *, may_stall: bool = True) -> Accepted:
+        """Return the selected equilibrium; see `Release.select`.
 
         Raises
         ------
@@ -188,7 +188,9 @@ class Released:
         if self.loads is not None:
             self.loads.apply(load)
         tether = self.path.last_tether(anchor)
-        minimum = self._alone(start, tether) or self.path.select(self.apart, self.minimisers, start, anchor)
+        minimum = self._alone(start, tether) or self.path.select(
+            self.apart, self.minimisers, start, anchor, may_stall=may_stall
+        )
         if self.is_mixed and minimum.is_found:
             minimum = self.minimisers[-1].minimise(minimum.state.displacement, minimum.tether)
         if not minimum.is_found:
@@ -359,7 +361,7 @@ def _incremental_step(
         goal = _next_goal(reached, increment, target)
         anchor = released.predict(displacement, motion.imposed(displacement, goal))
         try:
-            step = released.step(anchor, anchor, goal)
+            step = released.step(anchor, anchor, goal, may_stall=False)
         except StepFailed:
             increment, halvings = increment / 2, halvings + 1
             released.apart.effort.cutbacks += 1
