@@ -29,6 +29,8 @@ Index = NDArray[np.int64]
 _PROJECTION_STEPS = 4
 #: Share by which the distance of tied candidates is told apart.
 _TIE = 1e-7
+#: Turning of a joint [rad] below which the distances of its edges may be tied.
+_BLUNT = 2 * (2 * _TIE) ** 0.5
 #: Share of an edge beyond which a foot counts as past its end: round-off of the projection, no more.
 _END_TOLERANCE = 1e-9
 
@@ -293,5 +295,5 @@ def _classified(
     if len(doubtful):
         # The nearest point of a body is a convex corner only for points outside, however the corner's edges bend.
         turning = walls.turning_at(nodes)[other[doubtful], (xi[doubtful] >= 0.5).astype(int)]
-        sign[doubtful[turning > 0]] = 1.0
+        sign[doubtful[turning > _BLUNT]] = 1.0
     return Partners(*(array[kept] for array in (*own, other, xi, at_end, sign)))
