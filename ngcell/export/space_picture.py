@@ -64,7 +64,9 @@ def space_plot(snapshot: Snapshot, *, title: str, certified: bool, clip: float |
         opened = walls.threshold(_MARKED * largest, scalars="gap", method="upper")
         if opened.n_points:
             plotter.add_mesh(opened, color="#d21f1f", opacity=0.55, show_scalar_bar=False)
-    note = f"plate displacement {snapshot.plate_displacement:.4g}; red: apart by more than {_MARKED * largest:.2g}"
+    moved = snapshot.plate_displacement
+    place = f"plate displacement {moved:.4g}" if moved else f"load factor {snapshot.load_factor:.4g}"
+    note = f"{place}; red: apart by more than {_MARKED * largest:.2g}"
     plotter.add_text(f"{title}\n{note}", color="black", font_size=11, position="upper_left")
     if not certified:
         plotter.add_text(NOT_CERTIFIED, color="red", position="upper_right")
