@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +33,8 @@ Index = NDArray[np.int64]
 #: Overlap over reach, and energy of the springs over the stored one, above which springs are too soft. A certificate
 #: has the same limits. Overlaps below `NO_OVERLAP` over reach are none.
 DEEP, HIGH, NO_OVERLAP = 0.02, 0.01, 1e-7
+#: Overlap between the points of the rule over that at them, above which the rule is to blame and not the springs.
+BETWEEN = 2.0
 #: Factor by which springs that are too soft are made stiffer, and the most that all such factors make.
 STIFFEN, MOST_STIFFENED = 10.0, 1e4
 
@@ -111,7 +114,11 @@ class PenaltyContact:
         self.reach = reach
         self._may_learn, self._learns = may_learn, False
         self._usual = self._search = PartnerSearch(walls, walls.stationed, reach)
-        self._finer = PartnerSearch(walls, walls.halved(), reach) if may_learn and walls.dimension == 2 else None
+
+    @cached_property
+    def _finer(self) -> PartnerSearch:
+        """The search by the finer rule, made when springs that learn overlap for the first time."""
+        return PartnerSearch(self.walls, self.walls.halved(), self.reach)
 
     @property
     def stiffness(self) -> Array:
@@ -155,7 +162,7 @@ class PenaltyContact:
         if deepest <= NO_OVERLAP * self.reach:
             return 0.0, 0.0
         between = self._deepest_between(positions)
-        if self._finer is not None and between > max(DEEP * self.reach, 2 * deepest):
+        if between > max(DEEP * self.reach, BETWEEN * deepest):
             self._search = self._finer
             return between, 0.0
         if deepest <= DEEP * self.reach and contact.energy(positions) <= HIGH * stored():
@@ -164,8 +171,8 @@ class PenaltyContact:
         return deepest, 0.0
 
     def _deepest_between(self, positions: Array) -> float:
-        """Return the deepest overlap [length] at the points of the finer rule; 0 where it is in use."""
-        if self._finer is None or self._search is self._finer:
+        """Return the deepest overlap [length] at the points of the finer rule; 0 where it is in use, and in space."""
+        if self.walls.dimension == 3 or self._search is not self._usual:
             return 0.0
         partners = self._finer.partners(self.walls.nodes(positions))
         gaps = gap_kinematics(self.walls, partners, positions).gaps(positions)

@@ -113,8 +113,6 @@ class Release:
         # Down to round-off, and then cut, so that whatever the start, the walk goes on from the same place.
         strength, decades = self.first, self.narrowest
         minimum, _ = self._minimise(apart, start, anchor, strength, 0.0)
-        if not minimum.is_found and start is not anchor:  # a compact solid that buckled is far away
-            minimum, _ = self._minimise(apart, anchor, anchor, strength, 0.0)
         rest, missed, way, enough = list(minimisers), 0.0, 0, None
         for minimiser in minimisers:
             minimiser.forget_matrix()
