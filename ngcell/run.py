@@ -19,14 +19,15 @@ from ngcell.contact.facing import count_corners
 from ngcell.errors import CaseError, NotConverged, OutputError
 from ngcell.export import Restart, ResultFolder, cannot_resume, read_restart, read_summary
 from ngcell.footprint import entry_count, foreseen_memory
+from ngcell.observation import Step
 from ngcell.results.certificate import MEANING, worst
 from ngcell.results.growth import growth_onset
 from ngcell.results.record import StepRecord
 from ngcell.results.report import StepReport
 from ngcell.scene import AnyCase, BodyScene, read_case, resolved_toml
-from ngcell.simulation import Simulation, Step
+from ngcell.simulation import Simulation
 from ngcell.solve.outcome import Outcome
-from ngcell.solve.strategy import StepFailed
+from ngcell.solve.step import StepFailed
 from ngcell.standing import Standing
 from ngcell.verification import check_has_penalty, stiffer_result
 

@@ -7,7 +7,6 @@ differ in their blueprint only: the mesh, the laws, and what moves.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
 from functools import cached_property
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -24,21 +23,15 @@ from ngcell.contact.method import ContactMethod
 from ngcell.contact.tie import Tie, tie_walls
 from ngcell.contact.walls import find_walls
 from ngcell.mechanics.bulk import BulkEnergy
-from ngcell.results.cells import cell_pressures, cell_records, debonding, find_clumps
-from ngcell.results.fields import take_snapshot
-from ngcell.results.finding import Finding, compare
-from ngcell.results.measure import Measurement, Scene, WorkPoint, measure, pair_gaps, parted_pairs, wall_records
-from ngcell.results.onset import PairOnsets
-from ngcell.results.quantities import View
-from ngcell.results.record import CellRecord, StepRecord, WallRecord
-from ngcell.results.report import StepReport
-from ngcell.results.snapshot import Snapshot
-from ngcell.results.surface import wall_fields
+from ngcell.observation import Observer, Step
+from ngcell.results.measure import Scene
 from ngcell.scene import AnyCase, BodyScene
-from ngcell.solve.effort import Effort
 from ngcell.solve.minimise import Minimiser
+from ngcell.solve.released import Released
+from ngcell.solve.sddp import compact_then_released
 from ngcell.solve.selection import FIRST, Release
-from ngcell.solve.strategy import Accepted, Released, compact_then_released, single_step
+from ngcell.solve.single_step import single_step
+from ngcell.solve.step import Accepted
 from ngcell.standing import Standing
 
 if TYPE_CHECKING:
@@ -52,58 +45,6 @@ _TOUCHING = 0.05
 #: Strength at which release paths start where walls overlap at rest, in units of the path's scale. A stronger tether
 #: would hold them deep in each other, where the nearest wall changes from point to point and the energy is not smooth.
 _FIRST_OVERLAPPING = 1.0
-
-
-@dataclass(frozen=True, eq=False)
-class Step:
-    """An accepted step with everything that is reported of it.
-
-    Attributes
-    ----------
-    record : StepRecord
-        The row of the history.
-    walls : list of WallRecord
-        A row a facing pair; empty in compact steps.
-    cells : list of CellRecord
-        A row a cell; empty in compact steps.
-    measurement : Measurement
-        The numbers behind them.
-    displacement : array of float, shape (unknowns,)
-        The displacement [length].
-    snapshot : Snapshot or None
-        The fields, at reported levels.
-    findings : list of Finding
-        What the case expects at this level, beside what was measured.
-    standing : Standing
-        Where the walk stands after it.
-    effort : Effort
-        What it took.
-    """
-
-    record: StepRecord
-    walls: list[WallRecord]
-    cells: list[CellRecord]
-    measurement: Measurement
-    displacement: NDArray[np.float64]
-    snapshot: Snapshot | None
-    findings: list[Finding]
-    standing: Standing
-    effort: Effort
-
-    @property
-    def report(self) -> StepReport:
-        """What the summary needs to know of it."""
-        measured = self.measurement
-        return StepReport(
-            self.record,
-            measured.certificate,
-            tuple(self.findings),
-            measured.free_bodies,
-            measured.unstored_work,
-            debonding(self.walls, self.cells),
-            self.effort.refusals,
-            self.effort.cutbacks,
-        )
 
 
 class Simulation:
@@ -120,7 +61,6 @@ class Simulation:
     def __init__(self, scene: AnyCase | BodyScene, clock: Clock | None = None) -> None:
         self._contact, self._cohesion = scene.contact, scene.cohesion
         self._step_count = scene.smallest_step_count
-        self._expected = () if isinstance(scene, BodyScene) else scene.expected
         self.levels = scene.level_factors
         self.clock = clock or Clock()
         with self.clock.phase("meshing"):
@@ -137,6 +77,13 @@ class Simulation:
             motion=self.motion,
             moved=self.blueprint.moved,
             travel=self.blueprint.travel,
+        )
+        self._observer = Observer(
+            self.scene,
+            self.bodies,
+            levels=self.levels,
+            expected=() if isinstance(scene, BodyScene) else scene.expected,
+            cell_pressure=self.blueprint.cell_pressure,
         )
 
     @cached_property
@@ -202,12 +149,10 @@ class Simulation:
         started = perf_counter()
         for accepted in self._accepted(standing):
             with self.clock.phase("measuring"):
-                measurement = self._measure(accepted, standing.work.get(accepted.phase))
-                number, displacement = standing.count, accepted.minimum.state.displacement
+                assembly = self.compact if accepted.phase == "compact" else self.released
                 # Terms with a memory hand it over here, and take it up again from `standing.memory` at the start.
                 memory = self._memory(accepted)
-                standing = standing.after(accepted.phase, displacement, measurement.work, memory)
-                step = self._step(number, accepted, measurement, perf_counter() - started, standing)
+                step = self._observer.step(accepted, assembly, standing, memory, perf_counter() - started)
                 standing = step.standing
             yield step
             started = perf_counter()
@@ -308,90 +253,3 @@ class Simulation:
             steps += list(np.linspace(before, level, pieces + 1)[1:])
             before = level
         return [float(step) for step in steps]
-
-    def _measure(self, accepted: Accepted, before: WorkPoint | None) -> Measurement:
-        assembly = self.compact if accepted.phase == "compact" else self.released
-        state, tether = accepted.minimum.state, accepted.tether
-        force = tether.strength * (assembly.mass @ (tether.anchor - state.displacement))
-        # The solver's energy holds potentials of loads and fluids; what is reported as energy is what is stored.
-        state = replace(state, energy=state.energy - assembly.potential(state.displacement))
-        return measure(
-            self.scene,
-            assembly,
-            state,
-            load_factor=accepted.load_factor,
-            tether_force=force,
-            before=before,
-            account=accepted.account,
-        )
-
-    def _cell_pressure(
-        self, assembly: Assembly, displacement: NDArray[np.float64], measured: Measurement
-    ) -> NDArray[np.float64] | None:
-        given = self.blueprint.cell_pressure
-        given = None if given is None else measured.load_share * given
-        return cell_pressures(assembly, displacement, given)
-
-    def _step(
-        self, number: int, accepted: Accepted, measured: Measurement, seconds: float, standing: Standing
-    ) -> Step:
-        assembly = self.compact if accepted.phase == "compact" else self.released
-        thickness, facing = self.bodies.thickness, self.scene.facing
-        is_contact = accepted.phase == "contact"
-        is_level = any(np.isclose(accepted.load_factor, level) for level in self.levels)
-        travelled = accepted.load_factor * float(np.linalg.norm(self.scene.travel))
-        displacement = assembly.expand(accepted.minimum.state.displacement)
-        total = facing.weight.sum()
-        clumps = find_clumps(self.scene, assembly, measured)
-        record = StepRecord(
-            step=number,
-            phase=accepted.phase,
-            load_factor=accepted.load_factor,
-            plate_displacement=travelled,
-            largest_gap=float(measured.gap.max(initial=0.0)),
-            mean_gap=float(facing.weight @ measured.gap / total) if total else 0.0,
-            smallest_gap=float(measured.gap.min(initial=0.0)),
-            parted_pairs=int(parted_pairs(self.scene, measured, thickness).sum()),
-            opened_share=measured.opened_share(facing, thickness),
-            clumps=len(clumps.sizes),
-            largest_clump=int(clumps.sizes.max()),
-            plate_force_x=float(measured.plate_force[0]),
-            plate_force_y=float(measured.plate_force[1]),
-            contact_force=measured.forces.total,
-            energy=measured.energy,
-            iterations=accepted.effort.iterations,
-            factorisations=accepted.effort.factorisations,
-            seconds=seconds,
-            certified=measured.certificate.passed,
-            separation_energy=measured.separation_energy,
-            bonded_share=measured.bonded_share,
-            dissipation=measured.dissipation,
-            plate_force_z=float(measured.plate_force[2]) if self.bodies.dimension == 3 else 0.0,
-        )
-        snapshot, findings, wall_rows, cell_rows = None, [], [], []
-        if is_level and is_contact:
-            held = self._cell_pressure(assembly, displacement, measured)
-            before = standing.onsets or PairOnsets.closed(len(facing.pairs))
-            onsets = before.after(travelled, pair_gaps(facing, measured), thickness)
-            standing = replace(standing, onsets=onsets)
-            wall_rows = wall_records(self.scene, measured, number, thickness, onsets.onset)
-            cell_rows = cell_records(clumps, measured, number, travelled, held)
-            view = View(assembly, accepted.minimum.state, self.motion, measured.reaction)
-            findings = list(compare(self._expected, record, view, self.levels[-1]))
-            gap, pressure = wall_fields(self.walls, facing, assembly, accepted.minimum.state)
-            snapshot = take_snapshot(
-                assembly,
-                displacement,
-                walls=self.walls,
-                step=number,
-                load_factor=accepted.load_factor,
-                plate_displacement=travelled,
-                gap=gap,
-                contact_pressure=pressure,
-                free_bodies=frozenset(measured.free_bodies),
-                cell_pressure=held,
-            )
-        effort = accepted.effort
-        return Step(record, wall_rows, cell_rows, measured, displacement, snapshot, findings, standing, effort)
-
-

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from ngcell.observation import Step
 from ngcell.scene import Case
-from ngcell.simulation import Simulation, Step
+from ngcell.simulation import Simulation
 
 MATERIAL = {"kind": "mooney-rivlin", "c1": 1.0, "c2": 1.0, "bulk_modulus": 100.0}
 SOFT = {"kind": "mooney-rivlin", "c1": 0.05, "c2": 0.05, "bulk_modulus": 10.0}

@@ -73,7 +73,7 @@ def iterated(rows: int, cols: int, order: int) -> dict[str, float]:
     import numpy as np
 
     from ngcell.simulation import Simulation
-    from ngcell.solve.minimise import Tether
+    from ngcell.solve.minimum import Tether
 
     before = peak()
     simulation = Simulation(tissue(rows, cols, order=order))

@@ -24,7 +24,7 @@ _SMALL_STRAIN = 1e-4
 
 
 class Account(Protocol):
-    """Where energy went on the way to a step of a problem with a memory; see `ngcell.solve.strategy.Account`."""
+    """Where energy went on the way to a step of a problem with a memory; see `ngcell.solve.step.Account`."""
 
     @property
     def dissipation(self) -> float:

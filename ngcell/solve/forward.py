@@ -25,10 +25,11 @@ from math import copysign
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.solve.minimise import Ending, Minimum, Tether
+from ngcell.solve.minimum import Ending, Minimum, Tether
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.problem import State
-from ngcell.solve.strategy import MOST_HALVINGS, Accepted, Account, Motion, Released, StepFailed
+from ngcell.solve.released import Released
+from ngcell.solve.step import MOST_HALVINGS, Accepted, Account, Motion, StepFailed
 
 Array = NDArray[np.float64]
 

@@ -29,7 +29,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.solve.minimise import Ending, Minimiser, Minimum, Tether
+from ngcell.solve.effort import Effort
+from ngcell.solve.minimise import Minimiser
+from ngcell.solve.minimum import Ending, Minimum, Tether
+from ngcell.solve.problem import State
 
 Array = NDArray[np.float64]
 
@@ -111,32 +114,43 @@ class Release:
             equilibrium, and a smaller load step would not have come there.
         """
         # Down to round-off, and then cut, so that whatever the start, the walk goes on from the same place.
-        strength, decades = self.first, self.narrowest
-        minimum, _ = self._minimise(apart, start, anchor, strength, 0.0)
-        rest, missed, way, enough = list(minimisers), 0.0, 0, None
+        minimum, _ = self._minimise(apart, start, anchor, self.first, 0.0)
         for minimiser in minimisers:
             minimiser.forget_matrix()
-        place = _without_round_off(minimum.state.displacement, minimisers[0])
-        while minimum.is_found and not (enough and way > 2 * enough.way):
+        if not minimum.is_found:
+            return minimum
+        minimum, instead = self._walk(minimisers, minimum.state, anchor, may_stall)
+        if instead is None:
+            return minimum
+        _log.info("the path ends at %.0e", instead.strength)
+        minimum, _ = self._minimise(minimisers[-1], instead.place, anchor, instead.strength, AT_THE_END)
+        if not minimum.is_found:
+            return minimum
+        return until_conditions_hold(minimisers[-1], minimum, minimisers[-1].longest_step, instead.strength)
+
+    def _walk(
+        self, minimisers: Sequence[Minimiser], start: State, anchor: Array, may_stall: bool
+    ) -> tuple[Minimum, _Enough | None]:
+        """Return the last minimum of the walk, and where the path may end instead, if its last stretch failed."""
+        rest, strength, decades = list(minimisers), self.first, self.narrowest
+        place, energy = _without_round_off(start.displacement, minimisers[0]), start.energy
+        missed, way, enough = 0.0, 0, None
+        while not (enough and way > 2 * enough.way):
             minimiser, is_end = rest[0], len(rest) == 1 and strength <= self.last
             if enough is None and len(rest) == 1 and self.last < strength <= ENOUGH:
                 enough = _Enough(place, strength, way)
-            share, least = (AT_THE_END, 0.0) if is_end else (ON_THE_WAY, NOTHING * abs(minimum.state.energy))
-            tolerance = max(UPDATE * missed, least)
-            before = minimiser.effort.copy()
-            minimum, factorisations = self._minimise(minimiser, place, anchor, strength, share, tolerance)
-            way += (minimiser.effort - before).iterations
+            share, least = (AT_THE_END, 0.0) if is_end else (ON_THE_WAY, NOTHING * abs(energy))
+            minimum, effort = self._minimise(minimiser, place, anchor, strength, share, max(UPDATE * missed, least))
+            way += effort.iterations
             if minimum.ending is Ending.STALLED and strength > STIFFEN_AT and not may_stall:
                 minimum = replace(minimum, ending=Ending.NO_DESCENT)
-            if not minimum.is_found:
-                break
-            place = minimum.state.displacement
-            if is_end:
+            if minimum.is_found and is_end:
                 most = 2 * enough.way - way if enough else None
                 minimum = until_conditions_hold(minimiser, minimum, minimiser.longest_step, strength, most)
-                if enough is None or minimum.ending is Ending.CONVERGED:
-                    return minimum
+                return minimum, None if minimum.ending is Ending.CONVERGED else enough
+            if not minimum.is_found:
                 break
+            place, energy = minimum.state.displacement, minimum.state.energy
             _, missed = minimiser.problem.improve(minimum.state)
             if len(rest) > 1 and strength <= max(STIFFEN_AT, self.last):
                 rest.pop(0)
@@ -144,16 +158,10 @@ class Release:
                 rest[0].adopt_matrix(minimiser)
                 continue
             # Longer and longer strides while no wall closes or opens.
-            decades = min(2 * decades, WIDEST) if factorisations <= 1 else self.narrowest
+            decades = min(2 * decades, WIDEST) if effort.factorisations <= 1 else self.narrowest
             milestone = max(STIFFEN_AT, self.last) if len(rest) > 1 else self.last
             strength = max(strength / 10**decades, milestone)
-        if enough is None:
-            return minimum
-        _log.info("the path ends at %.0e", enough.strength)
-        minimum, _ = self._minimise(minimisers[-1], enough.place, anchor, enough.strength, AT_THE_END)
-        if not minimum.is_found:
-            return minimum
-        return until_conditions_hold(minimisers[-1], minimum, minimisers[-1].longest_step, enough.strength)
+        return minimum, enough
 
     def last_tether(self, anchor: Array) -> Tether:
         """Return the tether at the path's end."""
@@ -161,11 +169,9 @@ class Release:
 
     def _minimise(
         self, minimiser: Minimiser, start: Array, anchor: Array, strength: float, share: float, enough: float = 0.0
-    ) -> tuple[Minimum, int]:
-        """Return the minimum under a tether of this strength, in units of the scale, and the factorisations it took."""
-        before = minimiser.effort.factorisations
-        minimum = _minimise(minimiser, start, Tether(self.scale * strength, anchor), share, strength, enough)
-        return minimum, minimiser.effort.factorisations - before
+    ) -> tuple[Minimum, Effort]:
+        """Return the minimum under a tether of this strength, in units of the scale, and what it took."""
+        return _minimise(minimiser, start, Tether(self.scale * strength, anchor), share, strength, enough)
 
 
 def until_conditions_hold(
@@ -183,9 +189,8 @@ def until_conditions_hold(
         if was_hastened:
             minimiser.problem.hasten()
         before = missed
-        minimum = _minimise(
-            minimiser, minimum.state.displacement, minimum.tether, AT_THE_END, name, UPDATE * energy
-        )
+        start, tolerance = minimum.state.displacement, UPDATE * energy
+        minimum, _ = _minimise(minimiser, start, minimum.tether, AT_THE_END, name, tolerance)
         if not minimum.is_found:
             return minimum
         if most is not None and minimiser.effort.iterations - spent > most:
@@ -205,7 +210,7 @@ def _without_round_off(place: Array, minimiser: Minimiser) -> Array:
 
 def _minimise(
     minimiser: Minimiser, start: Array, tether: Tether, share: float, name: float, enough: float = 0.0
-) -> Minimum:
+) -> tuple[Minimum, Effort]:
     before = minimiser.effort.copy()
     minimum = minimiser.minimise(start, tether, max(share * minimiser.tether_energy(start, tether), enough))
     spent = minimiser.effort - before
@@ -219,4 +224,4 @@ def _minimise(
         minimum.state.energy,
         minimum.decrement,
     )
-    return minimum
+    return minimum, spent

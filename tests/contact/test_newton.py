@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ngcell.contact.assembly import Assembly
-from ngcell.solve.minimise import Ending, Tether
+from ngcell.solve.minimum import Ending, Tether
 from tests.tissues import SmallTissue, dense_stiffness, small_tissue
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from ngcell.contact.assembly import Assembly
 from ngcell.contact.tie import coincident_edges
-from ngcell.solve.minimise import Ending, Tether
+from ngcell.solve.minimum import Ending, Tether
 from tests.tissues import SmallTissue, dense_stiffness, small_tissue
 
 ORDERS = [1, 2, 3, 4]

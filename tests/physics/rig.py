@@ -23,8 +23,10 @@ from ngcell.results.forces import ContactForces, contact_forces
 from ngcell.scene import MooneyRivlin
 from ngcell.scene.bodies import BodyScene, BodySupport
 from ngcell.solve.minimise import Minimiser
+from ngcell.solve.released import Released
 from ngcell.solve.selection import Release
-from ngcell.solve.strategy import Accepted, Released, single_step
+from ngcell.solve.single_step import single_step
+from ngcell.solve.step import Accepted
 
 
 def rubber(bulk_modulus: float) -> MooneyRivlin:

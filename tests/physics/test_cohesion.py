@@ -10,10 +10,11 @@ import pytest
 from scipy.integrate import simpson
 
 from ngcell.contact.cohesion import ExponentialLaw
+from ngcell.observation import Step
 from ngcell.scene import Block, BodyCase, Cohesion, MooneyRivlin
 from ngcell.scene.case_of_bodies import SupportEntry
 from ngcell.scene.mesh import BodyMeshChoice
-from ngcell.simulation import Simulation, Step
+from ngcell.simulation import Simulation
 
 WIDTH, ENERGY = 0.5, 0.01
 MATERIAL = MooneyRivlin(c1=0.5, c2=0.5, bulk_modulus=20.0)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from ngcell import read_case
-from ngcell.simulation import Simulation, Step
+from ngcell.observation import Step
+from ngcell.simulation import Simulation
 
 SMALL = ["load.levels=1", "mesh.order=2"]
 

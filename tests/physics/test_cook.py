@@ -15,7 +15,8 @@ from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.scene import Traction
-from ngcell.solve.minimise import Ending, Minimiser, Tether
+from ngcell.solve.minimise import Minimiser
+from ngcell.solve.minimum import Ending, Tether
 
 MU, FORCE = 80.1938, 100.0
 #: Exponent by which elements get smaller towards the corner where the stress is singular.

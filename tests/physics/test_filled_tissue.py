@@ -9,7 +9,8 @@ import pytest
 
 from ngcell import Case, simulate
 from ngcell.contact.walls import WallPoints
-from ngcell.simulation import Simulation, Step
+from ngcell.observation import Step
+from ngcell.simulation import Simulation
 
 WALL = {"kind": "mooney-rivlin", "c1": 1.0, "c2": 1.0, "bulk_modulus": 100.0}
 GEL = {"kind": "mooney-rivlin", "c1": 0.01, "c2": 0.0, "bulk_modulus": 10.0}

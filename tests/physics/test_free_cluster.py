@@ -16,8 +16,9 @@ from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.results.forces import contact_forces
 from ngcell.scene import Pressure
+from ngcell.solve.released import Released
 from ngcell.solve.selection import Release
-from ngcell.solve.strategy import Released, single_step
+from ngcell.solve.single_step import single_step
 from tests.tissues import LAW, SmallTissue
 
 PRESSURE = 0.05

@@ -9,8 +9,9 @@ import pytest
 
 import ngcell
 from ngcell.contact import choice
+from ngcell.observation import Step
 from ngcell.results.forces import body_resultants, contact_forces
-from ngcell.simulation import Simulation, Step
+from ngcell.simulation import Simulation
 from ngcell.standing import Standing
 
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from netgen import occ
 
+from ngcell.observation import Step
 from ngcell.scene import Body, BodyScene, BodySupport, MooneyRivlin, Penalty
-from ngcell.simulation import Simulation, Step
+from ngcell.simulation import Simulation
 
 C1, C2 = 0.8, 0.2
 STRETCH = 0.9

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from ngcell.solve.minimise import Ending, Minimiser, Minimum, Tether
+from ngcell.solve.minimise import Minimiser
+from ngcell.solve.minimum import Ending, Minimum, Tether
 
 NOWHERE = Tether(0.0, np.zeros(3))
 

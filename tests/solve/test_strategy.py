@@ -12,17 +12,13 @@ import pytest
 
 from ngcell.contact.assembly import Assembly
 from ngcell.solve.effort import Effort
-from ngcell.solve.minimise import Ending, Minimum, Tether
+from ngcell.solve.minimum import Ending, Minimum, Tether
 from ngcell.solve.outcome import Outcome
+from ngcell.solve.released import Released
+from ngcell.solve.sddp import compact_then_released
 from ngcell.solve.selection import Release
-from ngcell.solve.strategy import (
-    MOST_HALVINGS,
-    Accepted,
-    Released,
-    StepFailed,
-    compact_then_released,
-    single_step,
-)
+from ngcell.solve.single_step import single_step
+from ngcell.solve.step import MOST_HALVINGS, Accepted, StepFailed
 from tests.tissues import LAW, SmallTissue, small_tissue
 
 PATH = Release(scale=LAW.shear_modulus)

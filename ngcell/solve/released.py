@@ -1,0 +1,94 @@
+"""The released problem: walls in unilateral contact, and how one of its equilibria is selected."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ngcell.solve.effort import Effort
+from ngcell.solve.minimise import Minimiser
+from ngcell.solve.minimum import Minimum, Tether
+from ngcell.solve.outcome import Outcome
+from ngcell.solve.selection import Release, until_conditions_hold
+from ngcell.solve.step import Accepted, History, Loads, StepFailed, spent
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Released:
+    """The released problem and the path on which its equilibria are selected.
+
+    Attributes
+    ----------
+    apart : Minimiser
+        Without contact.
+    minimisers : tuple of Minimiser
+        With contact from the softest, which the path is walked with, to the one that is meant.
+    path : Release
+        The path.
+    loads : Loads, optional
+        What pushes and pulls besides the supports.
+    history : History, optional
+        What the problem remembers of accepted steps.
+    is_alone : bool
+        Whether there is one body only: it touches nothing, and no path has to be walked unless the straight way fails.
+    is_mixed : bool
+        Whether some bodies are stiffer than others. A decrement sees forces divided by stiffness, and would end with
+        those on stiff bodies out of balance: there the last minimisation goes down to round-off.
+    """
+
+    apart: Minimiser
+    minimisers: tuple[Minimiser, ...]
+    path: Release
+    loads: Loads | None = None
+    history: History | None = None
+    is_alone: bool = False
+    is_mixed: bool = False
+
+    @property
+    def effort(self) -> Effort:
+        """What was spent so far."""
+        return spent((self.apart, *self.minimisers))
+
+    @property
+    def longest_step(self) -> float:
+        """The length beside which missed conditions are judged [length]."""
+        return self.minimisers[-1].longest_step
+
+    def predict(self, displacement: Array, imposed: Array) -> Array:
+        """Return the displacement that follows, to first order, when prescribed values jump."""
+        return self.minimisers[-1].predict(displacement, imposed, self.path.scale * self.path.last)
+
+    def step(self, start: Array, anchor: Array, load: float, *, may_stall: bool = True) -> Accepted:
+        """Return the selected equilibrium; see `Release.select`.
+
+        Raises
+        ------
+        StepFailed
+            If a minimisation on the path fails.
+        """
+        before = self.effort
+        if self.loads is not None:
+            self.loads.apply(load)
+        tether = self.path.last_tether(anchor)
+        minimum = self._alone(start, tether) or self.path.select(
+            self.apart, self.minimisers, start, anchor, may_stall=may_stall
+        )
+        if self.is_mixed and minimum.is_found:
+            minimum = self.minimisers[-1].minimise(minimum.state.displacement, minimum.tether)
+        if not minimum.is_found:
+            raise StepFailed(Outcome.RELEASE_FAILED, load)
+        return Accepted("contact", load, minimum, minimum.tether, self.effort - before)
+
+    def _alone(self, start: Array, tether: Tether) -> Minimum | None:
+        """Return the minimum of a body that is alone; None if there are more, or if none was found."""
+        if not self.is_alone:
+            return None
+        minimiser = self.minimisers[-1]
+        minimum = minimiser.minimise(start, tether)
+        if minimum.is_found:
+            minimum = until_conditions_hold(minimiser, minimum, self.longest_step)
+        return minimum if minimum.is_found else None

@@ -1,0 +1,131 @@
+"""A step of a walk along the load path: what it needs to know of motion and loads, and what comes of it.
+
+A step that fails is halved, at most `MOST_HALVINGS` times.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ngcell.solve.effort import Effort
+from ngcell.solve.minimise import Minimiser
+from ngcell.solve.minimum import Minimum, Tether
+from ngcell.solve.outcome import Outcome
+
+Array = NDArray[np.float64]
+
+MOST_HALVINGS = 6
+
+
+class Motion(Protocol):
+    """The prescribed motion; see `ngcell.mechanics.supports.PrescribedMotion`."""
+
+    @property
+    def has_carried_field(self) -> bool:
+        """Whether the load determines a carried field."""
+
+    def imposed(self, displacement: Array, load_factor: float) -> Array:
+        """Return a displacement with the prescribed values in place."""
+
+    def carried(self, load_factor: float) -> Array:
+        """Return the carried field."""
+
+
+class Loads(Protocol):
+    """Loads that are part of the energy; see `ngcell.mechanics.loads.BoundaryLoads`."""
+
+    def apply(self, load_factor: float) -> None:
+        """Set the load factor that energies are taken at."""
+
+    def share(self, load_factor: float) -> float:
+        """Return the share of the full loads that acts at a load factor."""
+
+    def potential(self, displacement: Array, load_factor: float) -> float:
+        """Return the potential at a load factor."""
+
+
+class History(Protocol):
+    """What a problem remembers of accepted steps; see `ngcell.contact.assembly.Assembly`."""
+
+    def advance(self, displacement: Array) -> None:
+        """Keep what this accepted state leaves for good."""
+
+    def forget(self) -> None:
+        """Be as new."""
+
+
+@dataclass(frozen=True)
+class Account:
+    """Where energy went on the way from rest to a step.
+
+    Attributes
+    ----------
+    dissipation : float
+        What was lost as the energy fell at held supports, since rest [energy].
+    mismatch : float
+        Work of supports and loads minus the change of all energies and losses, since the step before [energy].
+    mismatch_share : float
+        Its magnitude over the energy that the step moved.
+    increment : float
+        Change of load factor that the next step may make; 0 where that is not learned.
+    targets : int
+        Number of asked-for load factors that the walk has come to.
+    """
+
+    dissipation: float
+    mismatch: float
+    mismatch_share: float
+    increment: float = 0.0
+    targets: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Accepted:
+    """An accepted step.
+
+    Attributes
+    ----------
+    phase : {"compact", "contact"}
+        What was solved.
+    load_factor : float
+        In [0, 1].
+    minimum : Minimum
+        The state and how it was reached.
+    tether : Tether
+        What still pulls at it.
+    effort : Effort
+        What it took, failures included.
+    account : Account, optional
+        Where energy went, with a problem that has a memory.
+    """
+
+    phase: str
+    load_factor: float
+    minimum: Minimum
+    tether: Tether
+    effort: Effort
+    account: Account | None = None
+
+
+class StepFailed(Exception):  # noqa: N818 - named as what is reported, not as a mistake
+    """No equilibrium was found, even in the smallest step."""
+
+    def __init__(self, outcome: Outcome, load_factor: float) -> None:
+        super().__init__(outcome.value)
+        self.outcome = outcome
+        self.load_factor = load_factor
+
+
+def next_goal(reached: float, increment: float, target: float) -> float:
+    """Return the load factor of the next attempt, up or down, never beyond the target."""
+    return target if abs(target - reached) <= abs(increment) else reached + increment
+
+
+def spent(minimisers: Sequence[Minimiser]) -> Effort:
+    """Return what minimisers have spent so far."""
+    return sum((minimiser.effort for minimiser in minimisers), Effort())
