@@ -158,9 +158,8 @@ def _body_blueprint(scene: BodyScene) -> Blueprint:
         untouched=untouched,
         refinements=scene.refinements,
     )
-    if bodies.dimension == 3 and (isinstance(scene.contact, Mortar) or scene.cohesion is not None):
-        refused = "contact is a Mortar" if isinstance(scene.contact, Mortar) else "cohesion"
-        raise CaseError(f"{refused}; allowed for solids: a Penalty without cohesion")
+    if bodies.dimension == 3 and isinstance(scene.contact, Mortar):
+        raise CaseError("contact is a Mortar; allowed for solids: a Penalty")
     check_boundaries(bodies, untouched, wanted_by="untouched edge")
     check_boundaries(bodies, [support.boundary for support in scene.supports])
     pushed = [load.boundary for load in scene.loads if not isinstance(load, BodyForce)]

@@ -23,7 +23,7 @@ concave in ``lambda^2``, so the secant stiffness lies above the tangent.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,7 +53,7 @@ class ExponentialLaw:
     strength : float
         Largest traction [stress], > 0.
     energy : float
-        Separation energy for each length at rest [stress * length], > 0.
+        Separation energy for each length at rest, in space for each area [stress * length], > 0.
     """
 
     strength: float
@@ -87,7 +87,8 @@ class ExponentialLaw:
 class Bonds:
     """Bonds between walls, and how far each has been opened.
 
-    The history moves by `advance` and `heal` only. Positions are unknowns of shape (2, scalar unknowns) [length].
+    The history moves by `advance` and `heal` only. Positions are unknowns of shape (dimension, scalar unknowns)
+    [length]; energies of a planar scene are those of a unit of depth.
 
     Attributes
     ----------
@@ -111,7 +112,7 @@ class Bonds:
 
     @property
     def weight(self) -> Array:
-        """Length at rest that each bond stands for [length], shape (bonds,)."""
+        """Length at rest that each bond stands for [length], in space area, shape (bonds,)."""
         return self.kinematics.partners.weight
 
     def heal(self) -> None:
@@ -124,7 +125,7 @@ class Bonds:
 
     def openings(self, positions: Array) -> Array:
         """Return the openings [length], >= 0, shape (bonds,)."""
-        a, _ = self.kinematics.vectors(positions)
+        a, *_ = self.kinematics.vectors(positions)
         height = np.minimum(self.kinematics.gaps(positions), 0)
         return np.sqrt(np.maximum((a**2).sum(1) - height**2, 0))
 
@@ -147,7 +148,10 @@ class Bonds:
         return np.maximum(self.openings(positions), self.largest) > self.law.peak
 
     def slopes(self, positions: Array) -> Array:
-        """Return the derivatives of each bond's energy by ``(a_x, a_y, t_x, t_y)`` [stress * length], (bonds, 4)."""
+        """Return the derivatives of each bond's energy by ``(a_x, a_y, t_x, t_y)`` [stress * length], (bonds, 4).
+
+        In space by ``(a, t, t')`` [stress * length**2], (bonds, 9).
+        """
         opening = self.openings(positions)
         secant = self.law.secant(np.maximum(opening, self.largest))
         return (self.weight * secant)[:, None] * self._half_squares(positions)
@@ -177,18 +181,19 @@ class Bonds:
         return np.repeat(dofs, width, axis=1).ravel(), np.tile(dofs, (1, width)).ravel()
 
     def _half_squares(self, positions: Array) -> Array:
-        """Return the derivatives of ``lambda^2 / 2`` by ``(a, t)``, shape (bonds, 4)."""
-        a, _ = self.kinematics.vectors(positions)
+        """Return the derivatives of ``lambda^2 / 2`` by ``(a, t)``, in space ``(a, t, t')``, shape (bonds, 4 or 9)."""
+        a, *_ = self.kinematics.vectors(positions)
         height, slopes = self.kinematics.slopes(positions)
         squares = -np.minimum(height, 0)[:, None] * slopes
-        squares[:, :2] += a
+        squares[:, : a.shape[1]] += a
         return squares
 
     def _second_half_squares(self, positions: Array, chosen: Index) -> Array:
-        """Return the second derivatives of ``lambda^2 / 2`` by ``(a, t)``, shape (chosen, 4, 4)."""
-        blocks = np.zeros((len(chosen), 4, 4))
-        blocks[:, :2, :2] = np.eye(2)
+        """Return the second derivatives of ``lambda^2 / 2`` by the same."""
         height, slopes = (array[chosen] for array in self.kinematics.slopes(positions))
+        dimension, width = len(positions), slopes.shape[1]
+        blocks = np.zeros((len(chosen), width, width))
+        blocks[:, :dimension, :dimension] = np.eye(dimension)
         pressed = np.flatnonzero(height < 0)
         slopes, bent = slopes[pressed], self.kinematics.curvatures(positions, chosen[pressed])
         blocks[pressed] -= slopes[:, :, None] * slopes[:, None, :] + height[pressed, None, None] * bent
@@ -203,12 +208,10 @@ def bond_walls(walls: Walls, law: ExponentialLaw) -> Bonds:
     CaseError
         If no walls coincide.
     """
-    shortest = float(np.linalg.norm(walls.rest[:, -1] - walls.rest[:, 0], axis=1).min())
-    reach = _COINCIDENCE * shortest
+    reach = _COINCIDENCE * float(walls.sizes.min())
     one, two = near_edges(walls, walls.rest, reach)
     first = walls.body[one] < walls.body[two]
-    segments = find_segments(walls, walls.rest, one[first], two[first])
-    partners, _ = segment_partners(walls, walls.rest, segments, reach)
+    partners = _opposite(walls, one[first], two[first], reach)
     points = walls.places(partners.edge, partners.here, walls.rest)
     apart = np.linalg.norm(points - walls.places(partners.other, partners.xi, walls.rest), axis=1)
     partners = _chosen(partners, np.flatnonzero(apart < reach))
@@ -218,26 +221,55 @@ def bond_walls(walls: Walls, law: ExponentialLaw) -> Bonds:
     return Bonds(law, _kinematics(walls, partners), bodies)
 
 
+def _opposite(walls: Walls, one: Index, two: Index, reach: float) -> Partners:
+    """Return the points of a rule on what faces each other at rest of pairs of edges."""
+    if walls.dimension == 2:
+        return segment_partners(walls, walls.rest, find_segments(walls, walls.rest, one, two), reach)[0]
+    from ngcell.contact.overlays import find_overlays, overlay_partners
+
+    return overlay_partners(walls, walls.rest, find_overlays(walls, walls.rest, one, two), reach)
+
+
 def _chosen(partners: Partners, which: Index) -> Partners:
     return Partners(**{name: array[which] for name, array in vars(partners).items() if array is not None})
 
 
 def _kinematics(walls: Walls, partners: Partners) -> GapKinematics:
-    """Return the maps to ``a`` and to the tangent of the wall between both points, the mean of the two walls'."""
+    """Return the maps to ``a`` and to the tangents of the wall between both points, the mean of the two walls'."""
     primary, secondary = walls.trace(partners.edge, partners.here), walls.trace(partners.other, partners.xi)
-    along_primary = walls.trace(partners.edge, partners.here, derivative=1)
-    along_secondary = walls.trace(partners.other, partners.xi, derivative=1)
     mine, theirs = (
-        np.einsum("pi,pid->pd", walls.basis.values(xi, 1), walls.rest[edge])
+        np.stack(
+            [np.einsum("pi,pid->pd", walls.basis.values(xi, by), walls.rest[edge]) for by in walls.directions], axis=1
+        )
         for edge, xi in ((partners.edge, partners.here), (partners.other, partners.xi))
     )
-    # Walls of two bodies run in opposite directions, and their coordinates at speeds of their own.
-    pace = np.einsum("pd,pd->p", mine, theirs) / np.einsum("pd,pd->p", mine, mine)
-    return GapKinematics(
+    pace, tangents = _paces(mine, theirs), []
+    for number, by in enumerate(walls.directions):
+        along_secondary = walls.trace(partners.other, partners.xi, derivative=by)
+        along_primary = np.zeros_like(primary)
+        for own, own_by in enumerate(walls.directions):
+            along_primary += pace[:, own, number, None] * walls.trace(partners.edge, partners.here, derivative=own_by)
+        tangents.append(np.concatenate([along_primary, along_secondary], axis=1) / 2)
+    kinematics = GapKinematics(
         partners=partners,
         dofs=np.concatenate([walls.dofs[partners.edge], walls.dofs[partners.other]], axis=1),
         offset=np.concatenate([primary, -secondary], axis=1),
-        tangent=np.concatenate([pace[:, None] * along_primary, along_secondary], axis=1) / 2,
+        tangent=tangents[0],
         side=walls.side[partners.other],
         slip=np.zeros(len(partners)),
     )
+    if walls.dimension == 2:
+        return kinematics
+    from ngcell.contact.space_gap import SpaceShape
+
+    flat = np.zeros((len(partners), 2, 2))
+    return replace(kinematics, slip=flat, other_tangent=tangents[1], shape=SpaceShape())
+
+
+def _paces(mine: Array, theirs: Array) -> Array:
+    """Return the rates of a wall's own coordinates by those of the wall opposite, whose tangents lie in one plane.
+
+    Walls of two bodies run in directions and at speeds of their own. Tangents have shape (bonds, tangents, dimension).
+    """
+    metric, mixed = mine @ mine.transpose(0, 2, 1), mine @ theirs.transpose(0, 2, 1)
+    return np.asarray(mixed / metric if mine.shape[1] == 1 else np.linalg.solve(metric, mixed))

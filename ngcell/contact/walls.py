@@ -130,6 +130,19 @@ class Walls:
         """Space dimension."""
         return int(self.rest.shape[2])
 
+    @property
+    def directions(self) -> tuple[int | tuple[int, int], ...]:
+        """What the tangents are derivatives by, as `basis.values` takes it."""
+        return (1,) if self.dimension == 2 else ((1, 0), (0, 1))
+
+    @cached_property
+    def sizes(self) -> Array:
+        """Lengths of the chords at rest, in space of the shortest sides, shape (edges,)."""
+        if self.dimension == 2:
+            return np.asarray(np.linalg.norm(self.rest[:, -1] - self.rest[:, 0], axis=1))
+        corner = self.rest[:, self.basis.corner_nodes]
+        return np.asarray(np.linalg.norm(np.roll(corner, -1, axis=1) - corner, axis=2).min(1))
+
     def nodes(self, unknowns: Array) -> Array:
         """Return the field with these unknowns, shape (2, scalar unknowns), at the nodes: (edges, order + 1, 2)."""
         return np.einsum("eij,dej->eid", self.nodal, unknowns[:, self.dofs])

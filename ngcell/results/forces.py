@@ -69,7 +69,7 @@ def contact_forces(assembly: Assembly, state: State) -> ContactForces:
     key = np.minimum(mine, theirs) * count + np.maximum(mine, theirs)
     if assembly.bonds is not None:
         bonds = assembly.bonds
-        on_lower = np.concatenate([on_lower, -bonds.slopes(positions)[:, :2]])
+        on_lower = np.concatenate([on_lower, -bonds.slopes(positions)[:, :dimension]])
         key = np.concatenate([key, bonds.bodies @ [count, 1]])
     found, place = np.unique(key, return_inverse=True)
     sums = np.zeros((len(found), dimension))

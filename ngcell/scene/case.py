@@ -160,7 +160,6 @@ def _of_prisms(value: Any) -> dict[str, bool]:
 def _of_the_plane(value: Any) -> dict[str, bool]:
     """Return what of a part of a case only planar scenes have."""
     return {
-        "": isinstance(value, Cohesion),
         "kind": isinstance(value, Mortar | Fluid),
         "fibres": getattr(value, "fibres", None) is not None,
     }

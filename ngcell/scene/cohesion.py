@@ -20,7 +20,7 @@ class Cohesion(BaseModel):
     strength : float
         Largest traction between two walls, a stress, > 0; sliding and parting count alike.
     energy : float
-        Energy that separates a unit of wall length at rest, stress times length, > 0.
+        Energy that separates a unit of wall length at rest, of prisms of wall area, stress times length, > 0.
     """
 
     model_config = SECTION

@@ -2,90 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
-
 import numpy as np
 import pytest
-from netgen import occ
 from scipy.spatial.transform import Rotation
 
-from ngcell.contact.assembly import Assembly
 from ngcell.contact.faces import FaceBasis
-from ngcell.contact.penalty import PenaltyContact, penalty_stiffness
 from ngcell.contact.search import Partners
 from ngcell.contact.tie import tie_walls
-from ngcell.contact.walls import Walls, find_walls
+from ngcell.contact.walls import find_walls
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.near import near_pairs
 from ngcell.geometry.prisms import prism_mesh
 from ngcell.geometry.rings import ring_section
-from ngcell.geometry.shapes import mesh_shapes
-from ngcell.mechanics.bulk import BulkEnergy
-from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
 from ngcell.mechanics.space import DisplacementSpace
+from tests.contact.solids import Pair, balls, blocks, straddling
 from tests.tissues import dense_stiffness
 
 SECTION = {"wall": 0.2, "radius": 0.0, "edges": 1, "layers": 1, "supports": {}}
-LAW = MooneyRivlinLaw(0.7, 0.3, 20.0)
-
-
-@dataclass(frozen=True, eq=False)
-class Pair:
-    """Body 0, the lower one, and body 1, the upper one."""
-
-    space: DisplacementSpace
-
-    @cached_property
-    def walls(self) -> Walls:
-        return find_walls(self.space.bodies, self.space.scalar, self.space.rest)
-
-    @cached_property
-    def problem(self) -> Assembly:
-        free = np.zeros((3, self.space.size), dtype=bool)
-        stiffness = penalty_stiffness(self.walls, np.full(2, LAW.plane_strain_modulus), 10.0)
-        contact = PenaltyContact(self.walls, stiffness, 0.4)
-        return Assembly(self.space, BulkEnergy(self.space, [LAW] * 2), free, contact=contact)
-
-    def moved(self, shift: tuple[float, float, float], amplitude: float, seed: int) -> np.ndarray:
-        """The upper body shifted, both bent at random, with bubbles on top."""
-        return self.bent(amplitude, seed) + (np.array(shift)[:, None] * self.upper).ravel()
-
-    @property
-    def upper(self) -> np.ndarray:
-        return (self.space.body_of_unknown == 1) * self.space.one
-
-    def bent(self, amplitude: float, seed: int) -> np.ndarray:
-        random = np.random.default_rng(seed)
-        x, y, z = self.space.rest
-        parts = (x, y, z, x * y, y * z, x * x - z)
-        terms = [part * (self.space.body_of_unknown == body) for body in (0, 1) for part in parts]
-        mix = random.standard_normal((3, len(terms))) / len(terms)
-        bubbles = 0.05 * random.standard_normal((3, self.space.size)) * (self.space.one == 0)
-        return amplitude * (mix @ (terms * self.space.one) + bubbles).ravel()
-
-
-def pair(lower: occ.Solid, upper: occ.Solid, order: int, size: float = 0.6) -> Pair:
-    bodies = mesh_shapes([lower, upper], ["lower", "upper"], order=order, size=size)
-    return Pair(DisplacementSpace(bodies, order))
-
-
-def block(low: tuple[float, float, float], high: tuple[float, float, float]) -> occ.Solid:
-    return occ.Box(low, high)
-
-
-def blocks(order: int) -> Pair:
-    """The upper block is smaller: its corners and sides press, and its faces meet others in between."""
-    return pair(block((0, 0, 0), (1, 1, 0.5)), block((0.2, 0.15, 0.5), (0.75, 0.8, 0.9)), order)
-
-
-def balls(order: int) -> Pair:
-    return pair(occ.Sphere((0, 0, 0), 0.5).solids[0], occ.Sphere((0.1, 0.05, 0.98), 0.5).solids[0], order)
-
-
-def straddling(order: int) -> Pair:
-    """The upper block reaches over a side and a corner of the lower one."""
-    return pair(block((0, 0, 0), (1, 1, 0.5)), block((0.6, 0.5, 0.5), (1.3, 1.4, 0.9)), order)
 
 
 @pytest.mark.parametrize(
