@@ -25,6 +25,7 @@ from ngcell.contact.walls import find_walls
 from ngcell.mechanics.bulk import BulkEnergy
 from ngcell.observation import Observer, Step
 from ngcell.results.measure import Scene
+from ngcell.results.overlap import deepest_overlap_of_bodies
 from ngcell.scene import AnyCase, BodyScene
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.released import Released
@@ -118,9 +119,18 @@ class Simulation:
     def _ladder(self) -> tuple[Assembly, ...]:
         """The released tissue, from the contact and bulk modulus that paths are walked with to those that are meant."""
         moduli = np.array([law.plane_strain_modulus for law in self.bulk.laws])
-        methods = contact_ladder(self._contact, self.walls, moduli, reach=2 * self.longest_step)
+        methods = contact_ladder(self._contact, self.walls, moduli, reach=self._reach)
         softer = [self._assembly(bulk, contact=methods[0]) for bulk in self._bulks[:-1]]
         return (*softer, *(self._assembly(self.bulk, contact=method) for method in methods))
+
+    @property
+    def _reach(self) -> float:
+        """Distance up to which walls are paired [length]: bodies that are drawn into each other are found, too."""
+        usual = 2 * self.longest_step
+        if self.bodies.dimension == 3:
+            return usual
+        deepest = deepest_overlap_of_bodies(self.space, self.walls, self.space.rest)
+        return max(usual, deepest + self.longest_step)
 
     @cached_property
     def _bonds(self) -> Bonds | None:

@@ -47,7 +47,7 @@ def contact_ladder(
         handover = penalty(HANDOVER_MULTIPLE, may_learn=False)
         return penalty(PATH_MULTIPLE), handover, MortarContact(walls, stiffness, reach)
     meant = PENALTY_MULTIPLE * choice.stiffness
-    return tuple(penalty(multiple) for multiple in (*_softer(meant), meant))
+    return tuple(penalty(multiple) for multiple in (*(_softer(meant) or [meant]), meant))
 
 
 def _softer(meant: float) -> list[float]:

@@ -195,7 +195,8 @@ class Walls:
         order = np.argsort(self.ends.ravel(), kind="stable")
         same = np.flatnonzero(np.diff(self.ends.ravel()[order]) == 0)
         one, two = order[same], order[same + 1]
-        angle = np.arccos(np.clip(np.einsum("pd,pd->p", normal[one], normal[two]), -1, 1))
+        across = normal[one, 0] * normal[two, 1] - normal[one, 1] * normal[two, 0]
+        angle = np.arctan2(np.abs(across), np.einsum("pd,pd->p", normal[one], normal[two]))
         angle = np.where(np.einsum("pd,pd->p", normal[one], inward[two]) > 0, -angle, angle)
         turning = np.zeros(len(normal))
         turning[one] = turning[two] = angle

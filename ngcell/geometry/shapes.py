@@ -30,6 +30,7 @@ from ngcell.errors import GeometryError
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.boundaries import are_apart, name_boundaries, outlines
 from ngcell.geometry.near import components
+from ngcell.geometry.sizes import sizes
 from ngcell.scene.bodies import check_unique_names
 from ngcell.scene.mesh import Refinement
 
@@ -38,8 +39,6 @@ Index = NDArray[np.int64]
 
 #: Height above the plane z = 0, as a share of a face's perimeter, that counts as round-off.
 _FLAT = 1e-6
-#: Default size of elements as a share of the smallest thickness.
-_SIZE = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +84,7 @@ def mesh_shapes(
     order : int
         Order of the curved elements, >= 1: that of the displacement.
     size : float, optional
-        Largest length of an element's edge [length]; by default half of the smallest thickness. Where the
+        Largest length of an element's edge [length]; by default half of each body's own thickness. Where the
         shapes carry a smaller ``maxh``, that counts.
     untouched : collection of str
         Boundaries that are no walls, wherever they lie.
@@ -115,8 +114,9 @@ def mesh_shapes(
 
         return mesh_solids(shapes, names, order=order, size=size, untouched=untouched)
     faces = [_face(shape, name) for shape, name in zip(shapes, names, strict=True)]
-    thickness = min(2 * abs(face.mass) / sum(edge.mass for edge in face.edges) for face in faces)
-    mesh = _netgen_mesh(faces, names, _meshing(_SIZE * thickness if size is None else size, refinements))
+    thicknesses = [2 * abs(face.mass) / sum(edge.mass for edge in face.edges) for face in faces]
+    with sizes(faces, thicknesses, size) as largest:
+        mesh = _netgen_mesh(faces, names, _meshing(largest, refinements))
     loops = _loops(mesh)
     elements = mesh.Elements2D().NumPy()
     body = np.asarray(elements["index"], dtype=np.int64) - 1
@@ -130,7 +130,7 @@ def mesh_shapes(
         body_names=tuple(names),
         wall_names="|".join(sorted(walls)),
         length=min(loop.diagonal for loop in outlines(loops).values()) / 2,
-        thickness=thickness,
+        thickness=min(thicknesses),
     )
 
 

@@ -21,11 +21,9 @@ from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.boundaries import are_apart, name_boundaries, outlines
 from ngcell.geometry.enclosure import winding_numbers
 from ngcell.geometry.near import components
+from ngcell.geometry.sizes import sizes
 
 Array = NDArray[np.float64]
-
-#: Default size of elements as a share of the smallest thickness.
-_SIZE = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,8 +62,9 @@ def mesh_solids(
         If a shape is no single solid, if shapes share a face, or if Netgen cannot mesh them.
     """
     solids = [_solid(shape, name) for shape, name in zip(shapes, names, strict=True)]
-    thickness = min(2 * abs(solid.mass) / sum(face.mass for face in solid.faces) for solid in solids)
-    mesh = _netgen_mesh(solids, names, _SIZE * thickness if size is None else size)
+    thicknesses = [2 * abs(solid.mass) / sum(face.mass for face in solid.faces) for solid in solids]
+    with sizes(solids, thicknesses, size) as largest:
+        mesh = _netgen_mesh(solids, names, largest)
     shells = _shells(mesh)
     elements = mesh.Elements3D().NumPy()
     body = np.asarray(elements["index"], dtype=np.int64) - 1
@@ -79,7 +78,7 @@ def mesh_solids(
         body_names=tuple(names),
         wall_names="|".join(sorted(walls)),
         length=min(shell.diagonal for shell in outlines(shells).values()) / 2,
-        thickness=thickness,
+        thickness=min(thicknesses),
     )
 
 

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import lru_cache
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.contact.assembly import Assembly, State
-from ngcell.contact.walls import Walls, find_walls
-from ngcell.mechanics.space import DisplacementSpace
 from ngcell.results.certificate import LIMITS, Certificate, Check
 from ngcell.results.fields import jacobian_range
 from ngcell.results.forces import ContactForces, body_resultants
-from ngcell.results.overlap import deepest_overlap, has_all_outlines
+from ngcell.results.overlap import deepest_overlap_of_bodies
 
 Array = NDArray[np.float64]
 
@@ -152,22 +149,8 @@ def _penetration(assembly: Assembly, state: State) -> float:
         return 0.0  # The compact solid has no contact: what it leaves untied, at rounded corners, may overlap.
     positions, walls = assembly.positions(state.displacement), assembly.contact.walls
     gaps = state.contact.kinematics.gaps(positions)
-    if walls.dimension == 2:
-        whole = _all_boundaries(assembly.space, walls)
-        seen = deepest_overlap(walls, walls.nodes(positions), whole and (whole, whole.nodes(positions)))
-    else:
-        from ngcell.results.space_overlap import deepest_overlap_of_solids
-
-        seen = deepest_overlap_of_solids(assembly.space, walls, positions)
+    seen = deepest_overlap_of_bodies(assembly.space, walls, positions)
     return max(-float(gaps.min(initial=0.0)), seen) / assembly.space.bodies.thickness
-
-
-@lru_cache(maxsize=1)
-def _all_boundaries(space: DisplacementSpace, walls: Walls) -> Walls | None:
-    """Return the boundaries of all bodies as if they were walls; None where walls go all around."""
-    if has_all_outlines(walls, space.bodies.body_count):
-        return None
-    return find_walls(replace(space.bodies, wall_names=".*"), space.scalar, space.rest)
 
 
 def _tension(assembly: Assembly, state: State) -> float:

@@ -11,18 +11,50 @@ A polygon follows each edge by `_CHORDS` chords, so a depth is right to about th
 from __future__ import annotations
 
 from collections import defaultdict
+from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ngcell.contact.walls import Walls
+from ngcell.contact.walls import Walls, find_walls
+from ngcell.mechanics.space import DisplacementSpace
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 #: Straight pieces that stand for one curved edge.
 _CHORDS = 16
+
+
+def deepest_overlap_of_bodies(space: DisplacementSpace, walls: Walls, positions: Array) -> float:
+    """Return the largest depth [length], >= 0, by which a wall point of a body lies inside another body, in the plane
+    or in space.
+
+    Parameters
+    ----------
+    space : DisplacementSpace
+        The unknowns.
+    walls : Walls
+        The walls.
+    positions : array of float, shape (dimension, scalar unknowns)
+        Deformed positions as unknowns [length].
+    """
+    if walls.dimension == 3:
+        from ngcell.results.space_overlap import deepest_overlap_of_solids
+
+        return deepest_overlap_of_solids(space, walls, positions)
+    whole = _all_boundaries(space, walls)
+    return deepest_overlap(walls, walls.nodes(positions), whole and (whole, whole.nodes(positions)))
+
+
+@lru_cache(maxsize=1)
+def _all_boundaries(space: DisplacementSpace, walls: Walls) -> Walls | None:
+    """Return the boundaries of all bodies as if they were walls; None where walls go all around."""
+    if has_all_outlines(walls, space.bodies.body_count):
+        return None
+    return find_walls(replace(space.bodies, wall_names=".*"), space.scalar, space.rest)
 
 
 def deepest_overlap(walls: Walls, nodes: Array, whole: tuple[Walls, Array] | None = None) -> float:
@@ -54,9 +86,27 @@ def deepest_overlap(walls: Walls, nodes: Array, whole: tuple[Walls, Array] | Non
     place, polygon = place[foreign], polygon[foreign]
     shapely.prepare(polygons)
     inside = shapely.contains_xy(polygons[polygon], *places[place].T)
-    outlines = shapely.boundary(polygons)[polygon[inside]]
+    outlines = _outline_of_each(walls, nodes, bodies, polygons)[polygon[inside]]
     depth = shapely.distance(outlines, shapely.points(places[place[inside]]))
     return float(depth.max(initial=0.0))
+
+
+def _outline_of_each(
+    walls: Walls, nodes: Array, bodies: Index, polygons: NDArray[np.object_]
+) -> NDArray[np.object_]:
+    """Return the walls of each body as lines, and all of its boundary where it has no walls."""
+    order = np.argsort(walls.body, kind="stable")
+    present, number = np.unique(walls.body[order], return_inverse=True)
+    values = walls.basis.values(np.linspace(0, 1, _chords(walls) + 1))
+    lines = shapely.multilinestrings(shapely.linestrings(values @ nodes[order]), indices=number)
+    outlines = shapely.boundary(polygons)
+    has_walls = np.isin(bodies, present)
+    outlines[has_walls] = lines[np.searchsorted(present, bodies[has_walls])]
+    return np.asarray(outlines)
+
+
+def _chords(walls: Walls) -> int:
+    return 1 if walls.basis.order == 1 else _CHORDS
 
 
 def has_all_outlines(walls: Walls, body_count: int) -> bool:
@@ -73,8 +123,7 @@ def _wall_points(walls: Walls, nodes: Array) -> tuple[Array, Index]:
 
 def _polygons(walls: Walls, nodes: Array) -> tuple[Index, NDArray[np.object_]]:
     """Return the bodies with a closed outline, shape (bodies,), and their deformed polygons."""
-    chords = 1 if walls.basis.order == 1 else _CHORDS
-    values = walls.basis.values(np.linspace(0, 1, chords + 1)[:-1])
+    values = walls.basis.values(np.linspace(0, 1, _chords(walls) + 1)[:-1])
     lines = values @ _anticlockwise(walls, nodes)
     shells, holes = _outlines(walls)
     polygons = [

@@ -200,7 +200,7 @@ class BodyScene:
     supports : tuple of BodySupport
         What is held and moved; a body that nothing holds stays as near to where it was as contact allows.
     size : float, optional
-        Largest length of an element's edge, > 0; by default half of the smallest thickness of the bodies.
+        Largest length of an element's edge, > 0; by default half of each body's own thickness.
     order : int
         Polynomial order of displacement and geometry, 1 to 4.
     levels : int or tuple of float

@@ -74,7 +74,7 @@ class BodyMeshChoice(BaseModel):
     order : int
         Polynomial order of displacement and geometry, 1 to 4.
     size : float, optional
-        Largest length of an element's edge, > 0; by default half of the smallest thickness of the bodies.
+        Largest length of an element's edge, > 0; by default half of each body's own thickness.
     refine : tuple of Refinement
         Where elements are smaller.
     """

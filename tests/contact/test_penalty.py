@@ -6,8 +6,10 @@ import ngsolve
 import numpy as np
 import pytest
 
+from ngcell.contact.choice import contact_ladder
 from ngcell.contact.facing import find_facing
 from ngcell.contact.penalty import PenaltyContact, penalty_stiffness
+from ngcell.scene import Penalty
 from tests.tissues import LAW, SmallTissue, dense_stiffness, small_tissue
 
 
@@ -170,3 +172,11 @@ def test_springs_that_took_over_from_softer_ones_stiffen_where_overlaps_are_too_
     np.testing.assert_allclose(meant.stiffness, 10 * derived)
     meant.follow(softer, at_rest)
     np.testing.assert_array_equal(meant.stiffness, derived)
+
+
+@pytest.mark.parametrize("stiffness", [0.01, 0.1, 1.0])
+def test_springs_of_any_stiffness_take_over_from_ones_that_walk_the_path(stiffness):
+    """Else those that a case asks for would not learn where they are too soft for a path's."""
+    walls = small_tissue(1, 2, order=1).walls
+    moduli = np.ones(int(walls.body.max()) + 1)
+    assert len(contact_ladder(Penalty(stiffness=stiffness), walls, moduli, reach=0.1)) > 1

@@ -131,3 +131,14 @@ def test_facing_gaps_follow_the_walls_wherever_they_slide():
     outlines = [Polygon(centre + tissue.lattice.corners) for centre in centres]
     expected = [outlines[other].distance(Point(at)) for other, at in zip(facing.other, point, strict=True)]
     np.testing.assert_allclose(gaps, expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e6, 1e-3])
+def test_a_straight_joint_does_not_turn(scale):
+    """To round-off, whatever the unit of length: what follows from a turning would hang on it."""
+    walls = small_tissue(1, 2).walls
+    turning = walls.turning_at(scale * walls.rest)
+    straight = np.abs(turning) < 1e-3
+    assert straight.any()
+    assert np.abs(turning[straight]).max() < 1e-14
+    np.testing.assert_allclose(turning[~straight], np.pi / 3, rtol=1e-12)

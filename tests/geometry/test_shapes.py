@@ -76,6 +76,14 @@ def test_names_of_edges_are_kept_and_shapes_are_left_alone():
         check_boundaries(bodies, ["flor"])
 
 
+def test_a_small_body_does_not_refine_a_large_one():
+    small, large = (occ.Rectangle(side, side).Face() for side in (0.01, 1.0))
+    bodies = mesh_shapes([small, occ.Translation((0, 0.02, 0))(large)], ["small", "large"], order=1)
+    counts = np.bincount(bodies.body_of_element)
+    assert counts.max() < 4 * counts.min()
+    assert small.faces[0].maxh > 1
+
+
 @pytest.mark.parametrize("order", [1, 2, 3, 4])
 def test_reference_positions_are_unknowns_on_curved_elements(order):
     bodies = touching_rings(order)
