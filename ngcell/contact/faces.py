@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ngcell.contact.walls import Walls, lobatto
 from ngcell.errors import GeometryError
-from ngcell.geometry.bodies import BodyMesh
+from ngcell.geometry.bodies import BETWEEN, BodyMesh
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -102,8 +102,7 @@ class FaceBasis:
         if self.corner_count == 4:
             at, share = lobatto(self.order + 2)
             legendre, weights = np.polynomial.legendre.leggauss(self.order + 1)
-            points = np.stack(np.meshgrid(at, (legendre + 1) / 2, indexing="ij"), axis=-1).reshape(-1, 2)
-            return points, np.outer(share, weights / 2).ravel()
+            return _product((at, share), ((legendre + 1) / 2, weights / 2))
         at, share = lobatto(self.order + 2)
         points, weights = [], []
         for corner in range(3):
@@ -116,6 +115,15 @@ class FaceBasis:
             points.append(shape.T @ quad)
             weights.append(np.outer(share, share).ravel() * (by_x[:, 0] * by_y[:, 1] - by_x[:, 1] * by_y[:, 0]))
         return _merged(np.concatenate(points), np.concatenate(weights))
+
+    @property
+    def level_rule(self) -> tuple[Array, Array]:
+        """Points and weights for squares that are ends of prisms: the rule of Gauss in both directions.
+
+        Seams run in both directions there, and the rims of these walls are told by the walls around the cells.
+        """
+        legendre, weights = np.polynomial.legendre.leggauss(self.order + 1)
+        return _product(*[((legendre + 1) / 2, weights / 2)] * 2)
 
 
 def find_faces(bodies: BodyMesh, scalar_space: ngsolve.H1, rest: Array) -> Walls:
@@ -137,7 +145,7 @@ def find_faces(bodies: BodyMesh, scalar_space: ngsolve.H1, rest: Array) -> Walls
     nodal = np.array([_sampled_shapes(scalar_space, element, basis) for element in elements]).reshape(-1, size, size)
     behind = np.array([mesh[element.faces[0]].elements[0].nr for element in elements], dtype=np.int64)
     nodes = np.einsum("eij,dej->eid", nodal, rest[:, dofs])
-    stations, share = basis.rule
+    stations, share = _rules(basis, np.array([element.mat == BETWEEN for element in elements], dtype=bool))
     tangents = [basis.values(stations, derivative) @ nodes for derivative in ((1, 0), (0, 1))]
     weights = share * np.linalg.norm(np.cross(*tangents), axis=2)
     area, depth = weights.sum(1), np.zeros(len(elements))
@@ -194,6 +202,23 @@ def domains(walls: Walls) -> Array:
 def _sampled_shapes(space: ngsolve.H1, element: ngsolve.comp.Ngs_Element, basis: FaceBasis) -> Array:
     shape = space.GetFE(ngsolve.ElementId(ngsolve.BND, element.nr)).CalcShape
     return np.array([np.asarray(shape(*node)).ravel() for node in basis.nodes])
+
+
+def _rules(basis: FaceBasis, is_level: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Return points, and weights of shape (faces, points): those of the rule of each face, 0 at those of the other."""
+    points, share = basis.rule
+    if not is_level.any():
+        return points, np.tile(share, (len(is_level), 1))
+    others, level_share = basis.level_rule
+    nowhere = np.zeros(len(share)), np.zeros(len(level_share))
+    both = np.concatenate([share, nowhere[1]]), np.concatenate([nowhere[0], level_share])
+    return np.concatenate([points, others]), np.where(is_level[:, None], both[1], both[0])
+
+
+def _product(one: tuple[Array, Array], two: tuple[Array, Array]) -> tuple[Array, Array]:
+    """Return the rule on the unit square of two rules on [0, 1], each points and weights."""
+    points = np.stack(np.meshgrid(one[0], two[0], indexing="ij"), axis=-1).reshape(-1, 2)
+    return points, np.outer(one[1], two[1]).ravel()
 
 
 def _powers_of(x: Array, most: int) -> Array:

@@ -73,7 +73,9 @@ def find_facing(walls: Walls, tolerance: float) -> FacingWalls:
     station = np.tile(np.arange(count), len(edge) // count)
     point = (walls.station_values @ walls.rest)[edge, station]
     is_middle = _in_middle_half(2 * pair + (walls.body[edge] > other), point)
-    return FacingWalls(pairs, pair, edge, station, other, walls.weights[edge, station], is_middle)
+    weight = walls.weights[edge, station]
+    parts = (part[weight != 0] for part in (pair, edge, station, other, weight, is_middle))
+    return FacingWalls(pairs, *parts)
 
 
 def count_corners(walls: Walls) -> int:

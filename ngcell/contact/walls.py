@@ -154,10 +154,12 @@ class Walls:
 
     @cached_property
     def stationed(self) -> WallPoints:
-        """All quadrature points."""
+        """All quadrature points; those that an edge's rule has no use for, of weight 0, are left out."""
         edges, count = self.edge_count, len(self.stations)
         edge, xi = np.repeat(np.arange(edges), count), np.tile(self.stations, (edges,) + (1,) * (self.dimension - 2))
-        return WallPoints(edge, xi, self.weights.ravel())
+        weight = self.weights.ravel()
+        used = weight != 0
+        return WallPoints(edge[used], xi[used], weight[used])
 
     def halved(self) -> WallPoints:
         """Return the quadrature points of the rule that takes each half of an edge as an edge."""

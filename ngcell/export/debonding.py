@@ -83,19 +83,30 @@ def _curve(axes: Axes, load: NDArray[Any], values: Sequence[float], label: str, 
 
 
 def _draw_plan(figure: Figure, axes: Axes, pairs: Sequence[PairOnset], cells: Grid) -> None:
-    """Draw each pair as the wall midway between its cells; those that stayed closed in grey."""
-    from matplotlib.collections import LineCollection
+    """Draw each pair as the wall midway between its cells; those that stayed closed in grey.
 
-    centre = _centres(cells)
-    one, two = (centre[[pair[end] for pair in pairs]] for end in range(2))
+    Layers of prisms are laid out side by side, the lowest first; a wall between two is a dot in the lower one.
+    """
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.collections import LineCollection
+    from matplotlib.colors import Normalize, to_rgba
+
+    place, layer = _places(cells)
+    pairs = sorted(pairs, key=lambda pair: bool(np.isfinite(pair[2])))  # what opened is drawn above
+    first, second = (np.array([pair[end] for pair in pairs]) for end in range(2))
+    one, two = place[first], place[second]
     half = (two - one)[:, ::-1] * [-0.5, 0.5] / np.sqrt(3)  # a hexagon's wall
     lines = np.stack([(one + two) / 2 - half, (one + two) / 2 + half], axis=1)
     onset = np.array([onset for _, _, onset in pairs])
-    opened = np.isfinite(onset)
-    axes.add_collection(LineCollection(lines[~opened], colors=_CLOSED, linewidths=3.5))
-    shown = LineCollection(lines[opened], array=onset[opened], cmap="plasma_r", linewidths=3.5)
-    axes.add_collection(shown)
-    axes.set(xlim=_limits(lines[..., 0]), ylim=_limits(lines[..., 1]), aspect="equal", xticks=[], yticks=[])
+    opened, level = np.isfinite(onset), layer[first] == layer[second]
+    scale = Normalize(*((onset[opened].min(), onset[opened].max()) if opened.any() else (0.0, 1.0)))
+    shown = ScalarMappable(scale, "plasma_r")
+    colour = np.where(opened[:, None], shown.to_rgba(onset), to_rgba(_CLOSED))
+    axes.add_collection(LineCollection(lines[level], colors=colour[level], linewidths=3.5))
+    dots = np.where(layer[first] < layer[second], first, second)[~level]
+    axes.scatter(*place[dots].T, s=90, color=colour[~level])
+    drawn = np.concatenate([lines[level].reshape(-1, 2), place[dots]])
+    axes.set(xlim=_limits(drawn[:, 0]), ylim=_limits(drawn[:, 1]), aspect="equal", xticks=[], yticks=[])
     axes.spines[:].set_visible(False)
     axes.set_title(f"{int(opened.sum())} of {len(pairs)} wall pairs opened", fontsize=10.5, color=INK)
     if opened.any():
@@ -104,12 +115,19 @@ def _draw_plan(figure: Figure, axes: Axes, pairs: Sequence[PairOnset], cells: Gr
         bar.outline.set(edgecolor=SOFT_INK, linewidth=0.8)
 
 
-def _centres(cells: Grid) -> NDArray[np.float64]:
-    """Return the mean place of each cell's points at rest, shape (cells, 2)."""
+def _places(cells: Grid) -> tuple[NDArray[np.float64], NDArray[np.integer]]:
+    """Return where cells are drawn, shape (cells, 2), and their layers, which are moved side by side.
+
+    A cell is drawn at the mean place of its points at rest.
+    """
     owner = np.repeat(np.ravel(cells.cell_data["cell_id"]), cells.cells.shape[1])
     count = np.bincount(owner)
     points = cells.points[cells.cells.ravel()]
-    return np.column_stack([np.bincount(owner, points[:, axis]) / np.maximum(count, 1) for axis in range(2)])
+    centre = np.column_stack([np.bincount(owner, points[:, axis]) / np.maximum(count, 1) for axis in range(3)])
+    tallest = float(np.ptp(cells.points[:, 2]))
+    heights, layer = np.unique((centre[:, 2] / (tallest or 1.0)).round(6), return_inverse=True)
+    width = float(np.ptp(cells.points[:, 0]))
+    return centre[:, :2] + np.outer(layer, [1.1 * width, 0.0]), layer
 
 
 def _limits(values: NDArray[np.float64]) -> tuple[float, float]:

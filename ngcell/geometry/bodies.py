@@ -19,6 +19,8 @@ FILLING = "filling"
 LUMEN = "lumen"
 #: Boundary regions of the upper and the lower ends of prisms.
 FRONT, BACK = "front", "back"
+#: Boundary region of the ends that face another layer of prisms.
+BETWEEN = "between"
 
 
 @dataclass(frozen=True, eq=False)

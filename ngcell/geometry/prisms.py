@@ -3,60 +3,77 @@
 Ends of cells are the regions `FRONT`, at the upper end, and `BACK`. Nothing touches them. A wall of the section is a
 wall of the prism. Cells are hollow from end to end, or closed by end walls of one element each; the lumen of a closed
 cell has the inner faces of its end walls, too.
+
+Layers of prisms are stacked along z and share no node. Where one stands on another, the ends of both are walls, in the
+region `BETWEEN`: end walls of closed cells, and of hollow ones the rims, with what fills them.
 """
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Sequence
 
 import numpy as np
 from netgen.meshing import FaceDescriptor, Mesh
 from numpy.typing import NDArray
 
-from ngcell.geometry.bodies import BACK, FILLING, FRONT, BodyMesh
+from ngcell.geometry.bodies import BACK, BETWEEN, FILLING, FRONT, BodyMesh
 from ngcell.geometry.rings import Section, int32
 
 Index = NDArray[np.int64]
 
 
-def prism_mesh(section: Section, *, height: float, slices: int, end_wall: float | None = None) -> BodyMesh:
-    """Return the mesh of all cells.
+def prism_mesh(*sections: Section, height: float, slices: int, end_wall: float | None = None) -> BodyMesh:
+    """Return the mesh of all cells, which are numbered layer by layer.
 
     Parameters
     ----------
-    section : Section
-        The plane through them, at z = 0; with caps where there are end walls.
+    *sections : Section
+        The plane through the cells of each layer, the lowest first at z = 0; with caps where there are end walls. They
+        differ in the regions of lumens only.
     height : float
-        Height of the prisms [length], > 0.
+        Height of the prisms of a layer [length], > 0.
     slices : int
         Elements along it, between end walls, >= 1.
     end_wall : float, optional
         Thickness of the end walls [length], > 0 and less than half of the height; by default there are none.
     """
+    section, layers = sections[0], len(sections)
     heights, inner = np.linspace(0, height, slices + 1), range(slices)
     if end_wall is not None:
         between = np.linspace(end_wall, height - end_wall, slices + 1)
         heights, inner = np.concatenate([[0.0], between, [height]]), range(1, slices + 1)
     last, count = len(heights) - 1, len(section.points)
-    solids = _solids(section, inner, last)
-    faces = _faces(section, inner, last)
-    used = np.unique(np.concatenate([part.ravel() for _, part in solids]))
-    points = np.column_stack([np.tile(section.points, (last + 1, 1)), np.repeat(heights, count)])[used]
+    cells, fillings, faces = [], [], defaultdict(list)
+    for layer, mine in enumerate(sections):
+        first = layer * count * (last + 1)
+        for name, elements in _solids(mine, inner, last):
+            (fillings if name == FILLING else cells).append(elements + first)
+        for name, elements in _faces(mine, inner, last):
+            is_outer = (name, layer) in ((BACK, 0), (FRONT, layers - 1))
+            faces[BETWEEN if name in (BACK, FRONT) and not is_outer else name].append(elements + first)
+    solids = [(f"cell{number}", elements) for number, elements in enumerate(cells)]
+    solids += [(FILLING, np.concatenate(fillings))] if fillings else []
+    used = np.unique(np.concatenate([elements.ravel() for _, elements in solids]))
+    level = (height * np.arange(layers)[:, None] + heights).ravel()
+    points = np.column_stack([np.tile(section.points, (len(level), 1)), np.repeat(level, count)])[used]
     mesh = Mesh()
     mesh.dim = 3
     mesh.AddPoints(np.ascontiguousarray(points))
     for number, (name, elements) in enumerate(solids, start=1):
         mesh.SetMaterial(number, name)
         mesh.AddElements(dim=3, index=number, data=int32(np.searchsorted(used, elements)), base=0)
-    for name, elements in faces:
+    for name, parts in faces.items():
         # A descriptor with a domain on its inner side tells NGSolve which way is out.
         number = mesh.GetNFaceDescriptors() + 1
         descriptor = FaceDescriptor(surfnr=number, domin=1, domout=0, bc=number)
         descriptor.bcname = name
         index = mesh.Add(descriptor)
-        mesh.AddElements(dim=2, index=index, data=int32(np.searchsorted(used, elements)), base=0)
+        mesh.AddElements(dim=2, index=index, data=int32(np.searchsorted(used, np.concatenate(parts))), base=0)
     thickness = min(section.wall, end_wall or section.wall)
-    return section.body_mesh(mesh, [len(elements) for _, elements in solids], thickness)
+    walls = section.wall_names if layers == 1 else f"{section.wall_names}|{BETWEEN}"
+    counts = [len(elements) for _, elements in solids]
+    return section.body_mesh(mesh, counts, thickness, layers=layers, wall_names=walls)
 
 
 def _solids(section: Section, inner: Sequence[int], last: int) -> list[tuple[str, Index]]:

@@ -97,17 +97,20 @@ class Section:
     lumens: dict[str, NDArray[np.int64]]
     caps: NDArray[np.int64] | None = None
 
-    def body_mesh(self, mesh: Mesh, counts: list[int], thickness: float) -> BodyMesh:
-        """Return the bodies of a mesh, from the numbers of elements of its regions, one after the other."""
-        cells = len(self.lattice.centres)
+    def body_mesh(
+        self, mesh: Mesh, counts: list[int], thickness: float, *, layers: int = 1, wall_names: str | None = None
+    ) -> BodyMesh:
+        """Return the bodies of a mesh, from the numbers of elements of its regions, one after the other: those of all
+        cells, layer by layer, and that of all fillings. `wall_names` replace those of the section."""
+        cells = layers * len(self.lattice.centres)
         body = np.repeat(np.arange(cells), counts[:cells])
-        filled = len(self.regions) > cells
+        filled = len(counts) > cells
         filling = np.repeat(np.arange(cells), counts[-1] // cells) if filled else np.zeros(0, dtype=np.int64)
         return BodyMesh(
             mesh=ngsolve.Mesh(mesh),
             body_of_element=np.concatenate([body, filling]),
             body_names=tuple(f"cell{cell}" for cell in range(cells)),
-            wall_names=self.wall_names,
+            wall_names=wall_names or self.wall_names,
             length=self.lattice.side,
             thickness=thickness,
             is_filling=np.repeat([False, True], [len(body), len(filling)]) if filled else None,

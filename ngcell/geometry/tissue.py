@@ -42,16 +42,28 @@ def tissue_mesh(
         "edges": edges,
         "layers": layers,
         "supports": supported_walls(lattice, load),
-        "lumens": lumens,
         "filled": filled,
     }
     if tissue.height is None:
-        return ring_mesh(lattice, **choices)
+        return ring_mesh(lattice, lumens=lumens, **choices)
     from ngcell.geometry.prisms import prism_mesh
 
     slices = choice.slices or max(1, ceil(tissue.height / tissue.side * edges - 1e-9))
-    section = ring_section(lattice, **choices, closed=tissue.end_wall is not None)
-    return prism_mesh(section, height=tissue.height, slices=slices, end_wall=tissue.end_wall)
+    closed, cells = tissue.end_wall is not None, tissue.rows * tissue.cols
+    sections = [
+        ring_section(lattice, **choices, lumens=_of_layer(layer, cells, lumens), closed=closed)
+        for layer in range(tissue.layers)
+    ]
+    return prism_mesh(*sections, height=tissue.height, slices=slices, end_wall=tissue.end_wall)
+
+
+def _of_layer(
+    layer: int, cells: int, lumens: dict[str, NDArray[np.int64]] | None
+) -> dict[str, NDArray[np.int64]] | None:
+    """Return the cells of each region that are in a layer of so many cells, by their numbers in it."""
+    if lumens is None:
+        return None
+    return {name: member[member // cells == layer] - layer * cells for name, member in lumens.items()}
 
 
 def mesh_density(tissue: Tissue, choice: MeshChoice) -> tuple[int, int]:

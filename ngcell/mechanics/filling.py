@@ -38,8 +38,9 @@ class Filling:
 
 
 def cell_pressures(lumen: CellPressure, tissue: Tissue) -> Filling:
-    """Return the pressures of all cells, which are numbered row by row, the lowest row first."""
-    pressure = np.broadcast_to(np.asarray(lumen.pressure, dtype=float), (tissue.rows, tissue.cols)).ravel()
+    """Return the pressures of all cells, which are numbered layer by layer and row by row, the lowest first."""
+    rows = tissue.layers * tissue.rows
+    pressure = np.broadcast_to(np.asarray(lumen.pressure, dtype=float), (rows, tissue.cols)).ravel()
     values, group = np.unique(pressure, return_inverse=True)
     regions = {f"lumen{number}": np.flatnonzero(group == number) for number in range(len(values))}
     loads = (Pressure(name, float(value)) for name, value in zip(regions, values, strict=True) if value > 0)

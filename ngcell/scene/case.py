@@ -119,11 +119,12 @@ class Case(BaseModel):
         tissue = info.data.get("tissue")
         if tissue is None or not isinstance(lumen, CellPressure) or not isinstance(lumen.pressure, tuple):
             return lumen
-        if [len(row) for row in lumen.pressure] != [tissue.cols] * tissue.rows:
+        rows = tissue.rows * tissue.layers
+        if [len(row) for row in lumen.pressure] != [tissue.cols] * rows:
             raise PydanticCustomError(
                 "limit",
                 "allowed: one pressure, or {rows} rows of {cols}, as many as there are cells",
-                {"place": ("pressure",), "rows": tissue.rows, "cols": tissue.cols},
+                {"place": ("pressure",), "rows": rows, "cols": tissue.cols},
             )
         return lumen
 

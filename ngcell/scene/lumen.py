@@ -21,7 +21,8 @@ class CellPressure(BaseModel):
     Parameters
     ----------
     pressure : float or tuple of tuple of float, shape (rows, cols)
-        Pressure at load factor 1, a stress, >= 0: the same in all cells, or that of each, the lowest row first.
+        Pressure at load factor 1, a stress, >= 0: the same in all cells, or that of each, the lowest row first; the
+        rows of further layers of prisms follow.
     ramp : {"with-load", "first"}
         Whether it grows in proportion to the load, or is there in full at every level.
     """

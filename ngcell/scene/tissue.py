@@ -34,6 +34,9 @@ class Tissue(BaseModel):
         Height of the cells along z, > 0: they are prisms, hollow from end to end. Without it the scene is planar.
     end_wall : float, optional
         Thickness of walls that close both ends of prisms, in (0, height / 2).
+    layers : int
+        Number of layers of prisms, >= 1, each of this height, stacked along z; each holds cells of its own, which
+        may touch those of the layers above and below. Together at most `MOST_CELLS` cells.
     """
 
     model_config = SECTION
@@ -46,6 +49,7 @@ class Tissue(BaseModel):
     orientation: Literal["pointy", "flat"] = "pointy"
     height: PositiveNumber | None = None
     end_wall: PositiveNumber | None = None
+    layers: PositiveCount = 1
 
     @property
     def apothem(self) -> float:
@@ -55,7 +59,7 @@ class Tissue(BaseModel):
     @property
     def cell_count(self) -> int:
         """Number of cells."""
-        return self.rows * self.cols
+        return self.rows * self.cols * self.layers
 
     @field_validator("cols")
     @classmethod
@@ -92,6 +96,20 @@ class Tissue(BaseModel):
                 {"limit": "height / 2, with a height" if height is None else f"{height / 2:.6g}, half of the height"},
             )
         return end_wall
+
+    @field_validator("layers")
+    @classmethod
+    def _of_prisms(cls, layers: int, info: ValidationInfo) -> int:
+        if layers > 1 and info.data.get("height", layers) is None:
+            raise PydanticCustomError("limit", "are layers of prisms; allowed: 1, or more with a height")
+        cells = info.data.get("rows", 1) * info.data.get("cols", 1)
+        if layers * cells > MOST_CELLS:
+            raise PydanticCustomError(
+                "limit",
+                "with {cells} cells each these are {all}; allowed: rows * cols * layers <= {most}",
+                {"cells": cells, "all": layers * cells, "most": MOST_CELLS},
+            )
+        return layers
 
     @field_validator("corner_radius")
     @classmethod

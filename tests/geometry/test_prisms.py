@@ -67,3 +67,40 @@ def test_closed_prisms_have_end_walls_and_a_closed_lumen(filled):
     used = np.zeros(bodies.mesh.nv, dtype=bool)
     used[[vertex.nr for element in bodies.mesh.Elements(ngsolve.VOL) for vertex in element.vertices]] = True
     assert used.all()
+
+
+@pytest.mark.parametrize("end_wall", [None, 0.15])
+@pytest.mark.parametrize("filled", [False, True])
+def test_layers_are_prisms_of_their_own_that_face_each_other(filled, end_wall):
+    sections = [
+        ring_section(LATTICE, filled=filled, closed=end_wall is not None, **CHOICES | {"radius": 0.0}) for _ in range(3)
+    ]
+    one = prism_mesh(sections[0], height=0.7, slices=2, end_wall=end_wall)
+    bodies = prism_mesh(*sections, height=0.7, slices=2, end_wall=end_wall)
+    assert bodies.mesh.nv == 3 * one.mesh.nv
+    assert bodies.body_names == tuple(f"cell{cell}" for cell in range(12))
+    points = np.array([vertex.point for vertex in bodies.mesh.vertices])
+    for element, body in zip(bodies.mesh.Elements(ngsolve.VOL), bodies.body_of_element, strict=True):
+        middle = points[[vertex.nr for vertex in element.vertices]].mean(0)
+        assert middle[2] // 0.7 == body // 4
+        assert np.linalg.norm(LATTICE.centres - middle[:2], axis=1).argmin() == body % 4
+        assert element.mat == ("filling" if filled and bodies.is_filling[element.nr] else f"cell{body}")
+    normal, place = ngsolve.specialcf.normal(3), ngsolve.CF((ngsolve.x, ngsolve.y, ngsolve.z))
+    volume = ngsolve.Integrate(ngsolve.CF(1), bodies.mesh)
+    assert volume == pytest.approx(3 * ngsolve.Integrate(ngsolve.CF(1), one.mesh), rel=1e-12)
+    assert ngsolve.Integrate(normal * place, bodies.mesh, ngsolve.BND) == pytest.approx(3 * volume, rel=1e-12)
+    end = ngsolve.Integrate(ngsolve.CF(1), one.mesh.Boundaries("front"), ngsolve.BND)
+    for region, count in (("front", 1), ("back", 1), ("between", 4)):
+        found = ngsolve.Integrate(ngsolve.CF(1), bodies.mesh.Boundaries(region), ngsolve.BND)
+        assert found == pytest.approx(count * end, rel=1e-12)
+    space = DisplacementSpace(bodies, 2)
+    walls = find_walls(bodies, space.scalar, space.rest)
+    assert walls.stationed.weight.sum() == pytest.approx(4 * end + 3 * 4 * 6 * 0.7, rel=1e-12)
+    facing = find_facing(walls, 1e-3)
+    apart = np.diff(facing.pairs).ravel()
+    along, stacked = facing.pairs[apart < 4], facing.pairs[apart == 4]
+    assert len(along) == 3 * 5 and (along[:, 0] // 4 == along[:, 1] // 4).all()
+    assert stacked.tolist() == [[cell, cell + 4] for cell in range(8)]
+    assert len(facing.pairs) == len(along) + len(stacked)
+    assert facing.weight.sum() == pytest.approx(2 * (3 * 5 * 0.7 + 2 * end), rel=1e-12)
+    assert np.abs(facing.gaps(walls, walls.rest)).max() < 1e-12

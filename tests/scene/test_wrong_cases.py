@@ -59,6 +59,28 @@ WRONG: dict[str, tuple[tuple[str, str], int, str, str]] = {
         "tissue.end_wall = 0.5",
         "height / 2, with a height",
     ),
+    "layers without a height": (
+        ("wall = 0.1", "wall = 0.1\nlayers = 2"),
+        8,
+        "tissue.layers = 2",
+        "are layers of prisms; allowed: 1, or more with a height",
+    ),
+    "too many layers": (
+        ("wall = 0.1", "wall = 0.1\nheight = 1.0\nlayers = 6000"),
+        9,
+        "tissue.layers = 6000",
+        "with 2 cells each these are 12000; allowed: rows * cols * layers <= 10000",
+    ),
+    "pressures of one layer of two": (
+        (
+            "wall = 0.1",
+            "wall = 0.1\nheight = 1.0\nend_wall = 0.1\nlayers = 2\n\n"
+            '[lumen]\nkind = "pressure"\npressure = [[0.1, 0.1]]',
+        ),
+        14,
+        "lumen.pressure",
+        "allowed: one pressure, or 2 rows of 2",
+    ),
     "ends of planar cells twisted": (
         (LOAD, 'kind = "ends"\ntwist = 10.0'),
         16,
