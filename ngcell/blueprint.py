@@ -16,7 +16,7 @@ from ngcell.geometry.shapes import check_boundaries, mesh_shapes
 from ngcell.geometry.tissue import tissue_mesh
 from ngcell.mechanics.filling import cell_pressures
 from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
-from ngcell.mechanics.loading import moved_region, plate_travel, prescribed_motion
+from ngcell.mechanics.loading import end_loads, moved_region, plate_travel, prescribed_motion
 from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
@@ -104,8 +104,9 @@ def _tissue_blueprint(case: Case) -> Blueprint:
     )
     space = DisplacementSpace(bodies, case.mesh.order)
     motion, loads = prescribed_motion(space, case.load), None
-    if pressures and pressures.loads:
-        loads = BoundaryLoads(space, pressures.loads, motion, in_full=lumen.ramp == "first")
+    pushed = [*(pressures.loads if pressures else ()), *end_loads(case.load)]
+    if pushed:
+        loads = BoundaryLoads(space, pushed, motion, in_full=pressures is not None and lumen.ramp == "first")
     return Blueprint(
         bodies=bodies,
         space=space,

@@ -9,7 +9,7 @@ from ngcell.geometry.bodies import BACK, FRONT
 from ngcell.geometry.tissue import ENDS, FRAME, LOWER_PLATE, UPPER_PLATE
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
-from ngcell.scene import Ends, Frame, Load
+from ngcell.scene import Ends, Frame, Load, Traction
 
 Array = NDArray[np.float64]
 
@@ -29,6 +29,16 @@ def prescribed_motion(space: DisplacementSpace, load: Load) -> PrescribedMotion:
         supports = [*ends, Support(FRAME, gradient, np.zeros(dimension), whole)]
         return PrescribedMotion(space, supports, lambda at: gradient @ at)
     return _plates_motion(space, plate_travel(space, load), ends)
+
+
+def end_loads(load: Load) -> tuple[Traction, ...]:
+    """Return the forces on the ends of pressed prisms, none for others.
+
+    They keep their direction: a pressure that followed ends with free rims would have no potential.
+    """
+    if isinstance(load, Ends) or load.end_pressure is None:
+        return ()
+    return Traction(FRONT, (0.0, 0.0, -load.end_pressure)), Traction(BACK, (0.0, 0.0, load.end_pressure))
 
 
 def moved_region(load: Load) -> str:

@@ -128,6 +128,19 @@ class Case(BaseModel):
             )
         return lumen
 
+    @field_validator("load")
+    @classmethod
+    def _grows_with_all_else(cls, load: Load, info: ValidationInfo) -> Load:
+        lumen = info.data.get("lumen")
+        if getattr(load, "end_pressure", None) is None or lumen is None or isinstance(lumen, Inclusion):
+            return load
+        if isinstance(lumen, Fluid) or lumen.ramp == "first":
+            what = "fluids in lumens" if isinstance(lumen, Fluid) else "a lumen.pressure that comes first"
+            with_load = 'a lumen.pressure of ramp = "with-load"'
+            allowed = f"acts beside {what}; allowed: with empty lumens, inclusions or {with_load}"
+            raise PydanticCustomError("limit", allowed, {"place": ("end_pressure",)})
+        return load
+
     @field_validator("cohesion")
     @classmethod
     def _with_this_contact(cls, cohesion: Cohesion | None, info: ValidationInfo) -> Cohesion | None:
@@ -154,7 +167,7 @@ class Case(BaseModel):
 
 def _of_prisms(value: Any) -> dict[str, bool]:
     """Return what of a part of a case only prisms have, by place, and whether it is there."""
-    given = {name: getattr(value, name, None) is not None for name in ("ends", "slices")}
+    given = {name: getattr(value, name, None) is not None for name in ("ends", "slices", "end_pressure")}
     return {**given, "kind": isinstance(value, Ends)}
 
 

@@ -49,8 +49,11 @@ class Plates(BaseModel):
         Displacement of the upper plate at load factor 1, a length.
     stretch : float, optional
         Distance of the plates at load factor 1 over the distance at rest, > 0.
-    ends : {"free", "held"}, optional
-        Whether the ends of prisms are free, as by default, or held along z, as in plane strain.
+    ends : {"free", "held", "pressed"}, optional
+        Whether the ends of prisms are free, as by default, held along z, as in plane strain, or under a pressure.
+    end_pressure : float, optional
+        Force on both ends of pressed prisms for each area at rest, a stress, inwards along z whichever way the ends
+        turn; it grows with the load. Below 0 it pulls.
     levels : int or tuple of float
         Number of equal levels, or the load factors in [0, 1] that are reported, in the order of the load path;
         it may return, as in ``[0.5, 1.0, 0.5, 0.0]``.
@@ -61,7 +64,8 @@ class Plates(BaseModel):
     kind: Literal["plates"] = "plates"
     displacement: PlanarVector | None = None
     stretch: PositiveNumber | None = None
-    ends: Literal["free", "held"] | None = None
+    ends: Literal["free", "held", "pressed"] | None = None
+    end_pressure: float | None = None
     levels: Levels = 10
 
     @property
@@ -72,6 +76,11 @@ class Plates(BaseModel):
     @model_validator(mode="after")
     def _one_motion(self) -> Self:
         _require_one(displacement=self.displacement, stretch=self.stretch)
+        return self
+
+    @model_validator(mode="after")
+    def _ends_under_a_pressure(self) -> Self:
+        _check_ends(self.ends, self.end_pressure)
         return self
 
 
@@ -89,8 +98,11 @@ class Frame(BaseModel):
         Stretches along x and y at load factor 1, each > 0.
     shear : float, optional
         Simple shear at load factor 1: displacement along x over height.
-    ends : {"free", "held"}, optional
-        Whether the ends of prisms are free, as by default, or held along z, as in plane strain.
+    ends : {"free", "held", "pressed"}, optional
+        Whether the ends of prisms are free, as by default, held along z, as in plane strain, or under a pressure.
+    end_pressure : float, optional
+        Force on both ends of pressed prisms for each area at rest, a stress, inwards along z whichever way the ends
+        turn; it grows with the load. Below 0 it pulls.
     levels : int or tuple of float
         Number of equal levels, or the load factors in [0, 1] that are reported, in the order of the load path;
         it may return, as in ``[0.5, 1.0, 0.5, 0.0]``.
@@ -102,7 +114,8 @@ class Frame(BaseModel):
     deformation_gradient: Annotated[tuple[PlanarVector, PlanarVector], Strict(False)] | None = None
     stretch: Annotated[tuple[PositiveNumber, PositiveNumber], Strict(False)] | None = None
     shear: float | None = None
-    ends: Literal["free", "held"] | None = None
+    ends: Literal["free", "held", "pressed"] | None = None
+    end_pressure: float | None = None
     levels: Levels = 10
 
     @property
@@ -121,6 +134,11 @@ class Frame(BaseModel):
     @model_validator(mode="after")
     def _one_deformation(self) -> Self:
         _require_one(deformation_gradient=self.deformation_gradient, stretch=self.stretch, shear=self.shear)
+        return self
+
+    @model_validator(mode="after")
+    def _ends_under_a_pressure(self) -> Self:
+        _check_ends(self.ends, self.end_pressure)
         return self
 
     @model_validator(mode="after")
@@ -186,6 +204,14 @@ def _require_one(**choices: object) -> None:
                 "names": ", ".join(choices),
             },
         )
+
+
+def _check_ends(ends: str | None, pressure: float | None) -> None:
+    if ends == "pressed" and pressure is None:
+        raise PydanticCustomError("limit", "says not how much; allowed: with an end_pressure", {"place": ("ends",)})
+    if ends != "pressed" and pressure is not None:
+        allowed = 'is on ends that are not pressed; allowed: with ends = "pressed"'
+        raise PydanticCustomError("limit", allowed, {"place": ("end_pressure",)})
 
 
 def _smallest_determinant(gradient: Gradient) -> float:

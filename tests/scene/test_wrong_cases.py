@@ -59,6 +59,24 @@ WRONG: dict[str, tuple[tuple[str, str], int, str, str]] = {
         "tissue.end_wall = 0.5",
         "height / 2, with a height",
     ),
+    "pressed ends without a pressure": (
+        ("levels = 2\n", 'levels = 2\nends = "pressed"\n'),
+        19,
+        'load.ends = "pressed"',
+        "says not how much; allowed: with an end_pressure",
+    ),
+    "a pressure on free ends": (
+        ("levels = 2\n", "levels = 2\nend_pressure = 0.1\n"),
+        19,
+        "load.end_pressure = 0.1",
+        'allowed: with ends = "pressed"',
+    ),
+    "pressed ends without prisms": (
+        ("levels = 2\n", 'levels = 2\nends = "pressed"\nend_pressure = 0.1\n'),
+        19,
+        'load.ends = "pressed"',
+        "is for prisms; allowed: only beside tissue.height",
+    ),
     "layers without a height": (
         ("wall = 0.1", "wall = 0.1\nlayers = 2"),
         8,
@@ -169,7 +187,7 @@ WRONG: dict[str, tuple[tuple[str, str], int, str, str]] = {
         ("displacement = [0.1, 0.0]", "displacement = [0.1, 0.0]\nshear = 0.1"),
         18,
         "load.shear = 0.1",
-        "allowed: kind, displacement, stretch, ends, levels",
+        "allowed: kind, displacement, stretch, ends, end_pressure, levels",
     ),
     "two motions": (
         ("displacement = [0.1, 0.0]", "displacement = [0.1, 0.0]\nstretch = 1.1"),
@@ -274,6 +292,16 @@ def test_wrong_case_is_one_useful_line(
     assert answer.stderr.startswith(f"{file}:{line}: ")
     assert key in answer.stderr
     assert says in answer.stderr
+
+
+@pytest.mark.parametrize("lumen", ['kind = "pressure"\npressure = 0.1\nramp = "first"'])
+def test_pressed_ends_grow_with_all_else_that_pushes(write_case: Callable[..., Path], lumen: str) -> None:
+    closed = "wall = 0.1\nheight = 1.0\nend_wall = 0.1"
+    pressed = f'levels = 2\nends = "pressed"\nend_pressure = 0.1\n\n[lumen]\n{lumen}\n'
+    with pytest.raises(CaseError) as caught:
+        read_case(write_case(("wall = 0.1", closed), ("levels = 2\n", pressed)))
+    assert "load.end_pressure = 0.1: acts beside" in str(caught.value)
+    assert 'allowed: with empty lumens, inclusions or a lumen.pressure of ramp = "with-load"' in str(caught.value)
 
 
 def test_several_mistakes_are_a_line_each_misspelt_keys_first(write_case: Callable[..., Path]) -> None:
