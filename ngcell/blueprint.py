@@ -65,8 +65,8 @@ class Blueprint:
         Law of what fills the lumens.
     fluid : LumenFluids, optional
         Fluids in the lumens.
-    fibre_direction : array of float, shape (elements, 2), optional
-        Direction in the plane from which angles of fibres are measured.
+    fibre_direction : array of float, shape (elements, 2), in space (elements, 6), optional
+        Direction in the plane from which angles of fibres are measured, and in space that towards which they are.
     cell_pressure : array of float, shape (bodies,), optional
         Pressures that cells are under at load factor 1 [stress].
     """
@@ -117,10 +117,18 @@ def _tissue_blueprint(case: Case) -> Blueprint:
         compact_first=isinstance(case.strategy, Sddp),
         loads=loads,
         filling=_law(lumen.material) if isinstance(lumen, Inclusion) else None,
-        fibre_direction=along_walls(bodies.mesh) if case.material.fibres else None,
+        fibre_direction=_wall_directions(bodies) if case.material.fibres else None,
         cell_pressure=pressures.pressure if pressures else None,
         fluid=_fluids(space, lumen, case.material) if isinstance(lumen, Fluid) else None,
     )
+
+
+def _wall_directions(bodies: BodyMesh) -> NDArray[np.float64]:
+    if bodies.dimension == 2:
+        return along_walls(bodies.mesh)
+    from ngcell.geometry.prisms import along_and_up
+
+    return along_and_up(bodies)
 
 
 def _fluids(space: DisplacementSpace, lumen: Fluid, wall: MooneyRivlin) -> LumenFluids:

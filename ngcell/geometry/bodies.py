@@ -43,6 +43,8 @@ class BodyMesh:
         The smallest thickness of a body [length]: a cell's wall. Overlaps are judged against it.
     is_filling : array of bool, shape (elements,), optional
         Which elements fill a lumen, bonded to their wall; they form the material region `FILLING`. By default none do.
+    is_end_wall : array of bool, shape (elements,), optional
+        Which elements close lumens of prisms; by default none do.
     extent : array of float, shape (2, dimension)
         Smallest and largest coordinates [length].
     """
@@ -54,6 +56,7 @@ class BodyMesh:
     length: float
     thickness: float
     is_filling: NDArray[np.bool_] | None = None
+    is_end_wall: NDArray[np.bool_] | None = None
     extent: NDArray[np.float64] = field(init=False)
 
     def __post_init__(self) -> None:

@@ -13,12 +13,13 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Sequence
 
+import ngsolve
 import numpy as np
 from netgen.meshing import FaceDescriptor, Mesh
 from numpy.typing import NDArray
 
 from ngcell.geometry.bodies import BACK, BETWEEN, FILLING, FRONT, BodyMesh
-from ngcell.geometry.rings import Section, int32
+from ngcell.geometry.rings import Section, along_walls, int32
 
 Index = NDArray[np.int64]
 
@@ -73,7 +74,35 @@ def prism_mesh(*sections: Section, height: float, slices: int, end_wall: float |
     thickness = min(section.wall, end_wall or section.wall)
     walls = section.wall_names if layers == 1 else f"{section.wall_names}|{BETWEEN}"
     counts = [len(elements) for _, elements in solids]
-    return section.body_mesh(mesh, counts, thickness, layers=layers, wall_names=walls)
+    is_end_wall = None
+    if section.caps is not None:
+        ring = len(section.regions[0][1]) * last
+        is_end_wall = np.concatenate([(np.arange(len(part)) >= ring) & (name != FILLING) for name, part in solids])
+    return section.body_mesh(mesh, counts, thickness, layers=layers, wall_names=walls, is_end_wall=is_end_wall)
+
+
+def along_and_up(bodies: BodyMesh) -> NDArray[np.float64]:
+    """Return two unit vectors for each element of prisms, shape (elements, 6), that directions in it are told by.
+
+    In walls around cells they are the direction along the wall and that of the axis. In end walls they are the
+    direction around the axis of the cell, and at the front that towards it, at the back that away from it.
+    """
+    along = along_walls(bodies.mesh)
+    upward = np.tile([0.0, 0.0, 1.0], (len(along), 1))
+    if bodies.is_end_wall is not None:
+        points = np.array([vertex.point for vertex in bodies.mesh.vertices])
+        elements = bodies.mesh.Elements(ngsolve.VOL)
+        middle = points[[[vertex.nr for vertex in element.vertices] for element in elements]].mean(1)
+        body, end = bodies.body_of_element, bodies.is_end_wall
+        # Both ends of a cell are alike, and each is symmetric about the axis.
+        count = np.bincount(body[end])
+        centre = np.column_stack([np.bincount(body[end], middle[end, at]) / count for at in range(3)])
+        outward = middle[end] - centre[body[end]]
+        rise, outward[:, 2] = outward[:, 2].copy(), 0.0
+        outward /= np.linalg.norm(outward, axis=1)[:, None]
+        along[end] = np.cross([0.0, 0.0, 1.0], outward)
+        upward[end] = -np.sign(rise)[:, None] * outward
+    return np.column_stack([along, upward])
 
 
 def _solids(section: Section, inner: Sequence[int], last: int) -> list[tuple[str, Index]]:

@@ -98,7 +98,14 @@ class Section:
     caps: NDArray[np.int64] | None = None
 
     def body_mesh(
-        self, mesh: Mesh, counts: list[int], thickness: float, *, layers: int = 1, wall_names: str | None = None
+        self,
+        mesh: Mesh,
+        counts: list[int],
+        thickness: float,
+        *,
+        layers: int = 1,
+        wall_names: str | None = None,
+        is_end_wall: NDArray[np.bool_] | None = None,
     ) -> BodyMesh:
         """Return the bodies of a mesh, from the numbers of elements of its regions, one after the other: those of all
         cells, layer by layer, and that of all fillings. `wall_names` replace those of the section."""
@@ -114,6 +121,7 @@ class Section:
             length=self.lattice.side,
             thickness=thickness,
             is_filling=np.repeat([False, True], [len(body), len(filling)]) if filled else None,
+            is_end_wall=is_end_wall,
         )
 
 
@@ -197,13 +205,14 @@ def ring_mesh(lattice: Lattice, **choices: Any) -> BodyMesh:
 
 
 def along_walls(mesh: ngsolve.Mesh) -> Array:
-    """Return the direction along its wall of each quadrilateral of rings, shape (elements, 2).
+    """Return the direction along its wall of each quadrilateral of rings, or of each hexahedron of prisms, shape
+    (elements, dimension).
 
     It is that from the middle of one end of the element to the middle of the other: in a straight wall the wall's own,
     and in no element that of the wall round the corner.
     """
     points = np.array([vertex.point for vertex in mesh.vertices])
-    corners = points[[[vertex.nr for vertex in element.vertices] for element in mesh.Elements(ngsolve.VOL)]]
+    corners = points[[[vertex.nr for vertex in element.vertices[:4]] for element in mesh.Elements(ngsolve.VOL)]]
     along = corners[:, 1] - corners[:, 0] + corners[:, 2] - corners[:, 3]
     return np.asarray(along / np.linalg.norm(along, axis=1)[:, None])
 

@@ -13,7 +13,10 @@ for each family. I4 is that of the whole deformation, not of its isochoric part,
 the material swells. The energy is once continuously differentiable where a fibre goes slack.
 
 A single oblique family also shears the wall along its axis; in plane strain that is held, and in a balanced pair it
-cancels.
+cancels. In prisms the axis is e_z, and nothing else changes: ``I4 = |F (cos(a) d + sin(a) e_z)|^2``.
+
+End walls of prisms have fibres in their plane: angles are measured from the direction around the axis of the cell, at
+the upper end towards the axis and at the lower end away from it, so that a helix around the cell goes on as a spiral.
 
 References
 ----------
@@ -52,12 +55,22 @@ class FibreLaw:
     def stored_energy(
         self, gradient: ngsolve.CoefficientFunction, direction: tuple[ngsolve.CoefficientFunction, ...]
     ) -> ngsolve.CoefficientFunction:
-        """Return W [stress] of a deformation gradient in the plane, shape (2, 2), and a unit vector in it."""
-        along = [gradient[row, 0] * direction[0] + gradient[row, 1] * direction[1] for row in range(2)]
-        stretch = along[0] * along[0] + along[1] * along[1]
+        """Return W [stress] of a deformation gradient and the directions that angles are measured in.
+
+        In the plane these are a gradient of shape (2, 2) and the two components of the unit vector d; in space one of
+        shape (3, 3) and the six components of d and of the unit vector across it that stands for the axis.
+        """
+        dimension = gradient.dims[0]
+        along, *upward = (
+            _moved(gradient, direction[at : at + dimension]) for at in range(0, len(direction), dimension)
+        )
         total = ngsolve.CF(0.0)
         for angle in self.angles:
-            strain = np.cos(angle) ** 2 * (stretch - 1)
+            cos, sin = np.cos(angle), np.sin(angle)
+            strain = cos**2 * (_square(along) - 1)
+            if upward:
+                moved = [cos * one + sin * two for one, two in zip(along, upward[0], strict=True)]
+                strain = _square(moved) - 1
             square = ngsolve.IfPos(strain, strain, 0.0) ** 2
             total += self._of_square(square)
         return total
@@ -65,11 +78,14 @@ class FibreLaw:
     def cauchy_stress(self, gradient: Array, direction: Array) -> Array:
         """Return the Cauchy stress [stress], shape (n, 3, 3): ``2 dW/dI4 (F a) (F a) / J`` of each family.
 
-        Deformation gradients have the shape (n, 3, 3), the directions in the plane (n, 2).
+        Deformation gradients have the shape (n, 3, 3), the directions in the plane (n, 2), those in space (n, 6).
         """
         stress = np.zeros_like(gradient)
+        along, upward = np.zeros((len(direction), 3)), np.tile([0.0, 0.0, 1.0], (len(direction), 1))
+        for part, values in zip((along, upward), np.split(direction, range(3, direction.shape[1], 3), 1), strict=False):
+            part[:, : values.shape[1]] = values
         for angle in self.angles:
-            fibre = np.column_stack([np.cos(angle) * direction, np.full(len(direction), np.sin(angle))])
+            fibre = np.cos(angle) * along + np.sin(angle) * upward
             moved = np.einsum("nij,nj->ni", gradient, fibre)
             strain = np.maximum((moved**2).sum(1) - 1, 0)
             pull = 2 * self.stiffness * strain * np.exp(self.exponent * strain**2)
@@ -80,3 +96,17 @@ class FibreLaw:
         if self.exponent == 0:
             return self.stiffness / 2 * square
         return self.stiffness / (2 * self.exponent) * (ngsolve.exp(self.exponent * square) - 1)
+
+
+def _moved(
+    gradient: ngsolve.CoefficientFunction, vector: tuple[ngsolve.CoefficientFunction, ...]
+) -> list[ngsolve.CoefficientFunction]:
+    """Return the components of ``gradient @ vector``."""
+    count = len(vector)
+    products = [[gradient[row, column] * vector[column] for column in range(count)] for row in range(count)]
+    return [sum(row[1:], start=row[0]) for row in products]
+
+
+def _square(vector: list[ngsolve.CoefficientFunction]) -> ngsolve.CoefficientFunction:
+    first, *others = (component * component for component in vector)
+    return sum(others, start=first)

@@ -175,5 +175,4 @@ def _of_the_plane(value: Any) -> dict[str, bool]:
     """Return what of a part of a case only planar scenes have."""
     return {
         "kind": isinstance(value, Mortar | Fluid),
-        "fibres": getattr(value, "fibres", None) is not None,
     }

@@ -22,7 +22,8 @@ class _Fibres(BaseModel):
         k1 of each family, a stress, > 0.
     angles : tuple of float
         Angles of one or two families [degree], from the wall's direction in the plane towards the axis of the cell,
-        from -90 to 90: 0 runs around the cell, 90 along its axis.
+        from -90 to 90: 0 runs around the cell, 90 along its axis. In end walls of prisms, from the direction around the
+        axis towards it at the upper end, and away from it at the lower end.
     direction : tuple of float, shape (2,), optional
         In place of the wall's direction in drawn bodies, which need it: a vector in the plane, not zero.
     """

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from ngcell.simulation import Simulation
-from tests.prisms import SOFT, case, last_step
+from tests.prisms import MATERIAL, SOFT, case, last_step
 
 HEIGHT = 0.4
 
@@ -25,6 +25,18 @@ def test_prisms_held_along_their_axis_are_planar_cells(lumen):
     for name in ("largest_gap", "mean_gap", "opened_share"):
         assert getattr(solid.record, name) == pytest.approx(getattr(planar.record, name), rel=1e-6), name
     assert solid.record.plate_force_z == pytest.approx(0, abs=1e-12)
+
+
+def test_held_prisms_with_balanced_fibres_are_planar_cells():
+    """Two families of opposite angles put no shear on a wall along its axis."""
+    fibres = {"kind": "exponential", "stiffness": 2.0, "exponent": 5.0, "angles": (30.0, -30.0)}
+    material = MATERIAL | {"fibres": fibres}
+    planar, bare = last_step(case(None, material=material)), last_step(case(None))
+    solid = last_step(case(HEIGHT, ends="held", material=material))
+    assert solid.record.certified
+    assert planar.record.energy > 1.01 * bare.record.energy
+    for name in ("energy", "plate_force_x", "plate_force_y"):
+        assert getattr(solid.record, name) == pytest.approx(HEIGHT * getattr(planar.record, name), rel=1e-8), name
 
 
 def test_prisms_between_free_ends_are_softer_and_certified():
