@@ -156,13 +156,16 @@ class Assembly:
         mean rotation of each body without support is carried out as a rotation. To first order this is the step.
         """
         moved = displacement + step
-        return moved if self._tie is not None else moved + self._roundness(displacement, step)
+        if self._tie is not None or len(self._held) == self.space.bodies.body_count:
+            return moved
+        at, by = self.positions(displacement), step.reshape(self.space.dimension, -1)
+        return moved + roundness(at, by, self.space.one, self.space.body_of_unknown, self._held)
 
-    def _roundness(self, displacement: Array, step: Array) -> Array:
-        space = self.space
-        at, by = self.positions(displacement), step.reshape(space.dimension, -1)
-        held = np.unique(space.body_of_unknown[self.fixed.reshape(space.dimension, -1).any(0)])
-        return roundness(at, by, space.one, space.body_of_unknown, held)
+    @cached_property
+    def _held(self) -> Index:
+        """Bodies with a support."""
+        supported = self.fixed.reshape(self.space.dimension, -1).any(0)
+        return np.unique(self.space.body_of_unknown[supported])
 
     def expand(self, displacement: Array) -> Array:
         """Return the displacement with slaves following their masters."""
@@ -244,7 +247,7 @@ class Assembly:
     @cached_property
     def pattern(self) -> tuple[Index, Index]:
         """Rows and columns of the lower triangle that `Linearisation.stiffness` fills, with repetitions."""
-        matrix = csr_matrix(self.bulk.tangent(np.zeros(self.space.unknowns)))
+        matrix = csr_matrix(self.bulk.matrix)
         row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
         column = matrix.indices.astype(np.int64)
         self._lower = row >= column
@@ -313,8 +316,9 @@ class Assembly:
             self.fluid.hasten()
 
     def _lower_stiffness(self, displacement: Array) -> Array:
+        tangent = self.bulk.tangent(displacement)
         _ = self.pattern
-        values = np.asarray(self.bulk.tangent(displacement).CSR()[0])[self._lower]
+        values = np.asarray(tangent.CSR()[0])[self._lower]
         if self.fluid is not None:
             values = np.concatenate([values, self.fluid.tangent(displacement)])
         return values if self._tie is None else values * self._signs

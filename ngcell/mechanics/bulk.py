@@ -75,6 +75,7 @@ class BulkEnergy:
             self._form += ngsolve.Variation(term)
         self._state = ngsolve.GridFunction(space.vector).vec
         self._force = self._state.CreateVector()
+        self._is_assembled = False
 
     def materials(self) -> Iterator[tuple[MooneyRivlinLaw, NDArray[np.bool_]]]:
         """Yield each law and the elements that follow it, shape (elements,)."""
@@ -103,7 +104,13 @@ class BulkEnergy:
     def tangent(self, displacement: Array) -> ngsolve.la.BaseMatrix:
         """Return the tangent; the matrix is overwritten by the next call and its pattern never changes."""
         self._form.AssembleLinearization(self._at(displacement))
+        self._is_assembled = True
         return self._form.mat
+
+    @property
+    def matrix(self) -> ngsolve.la.BaseMatrix:
+        """The matrix of the last tangent; its pattern is that of all."""
+        return self._form.mat if self._is_assembled else self.tangent(np.zeros(self._space.unknowns))
 
     def _at(self, displacement: Array) -> ngsolve.BaseVector:
         self._state.FV().NumPy()[:] = displacement

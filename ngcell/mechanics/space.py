@@ -77,6 +77,8 @@ class DisplacementSpace:
     def body_of_unknown(self) -> NDArray[np.int64]:
         """Body that each scalar unknown belongs to, shape (size,)."""
         body = np.zeros(self.size, dtype=np.int64)
+        if self.bodies.body_count == 1:
+            return body
         for element, number in zip(
             self.bodies.mesh.Elements(ngsolve.VOL), self.bodies.body_of_element, strict=True
         ):
