@@ -1,6 +1,9 @@
-"""An incompressible fluid in each lumen: its area stays what it is told, and its pressure is part of the answer.
+"""An incompressible fluid in each lumen: its area, in space its volume, stays what it is told, and its pressure is part
+of the answer.
 
-The area of a lumen is half the integral of ``x cross dx`` around it, hence a quadratic function of the displacement.
+The area of a lumen is half the integral of ``x cross dx`` around it, hence a quadratic function of the displacement;
+the volume of a closed lumen in space is a cubic one. Both are called area here.
+
 With c the area less what the fluid needs, and A that at rest, the energy
 
     sum of (A / 2 r) ((p - r c / A)^2 - p^2)  =  sum of -p c + r c^2 / 2 A
@@ -29,14 +32,15 @@ HASTE, MOST_HASTE = 10.0, 1e4
 
 
 class LumenFluids:
-    """The fluids of all cells of a planar tissue.
+    """The fluids of all cells of a tissue.
 
     Parameters
     ----------
     space : DisplacementSpace
         The unknowns.
     region : str
-        Boundary region of the lumens, a regular expression: one closed line in each body that has a lumen.
+        Boundary region of the lumens, a regular expression: one closed line, in space one closed surface, in each body
+        that has a lumen.
     modulus : float
         Bulk modulus r of the liquid that stands for the fluid along the way [stress], > 0.
     fill : float
@@ -47,7 +51,7 @@ class LumenFluids:
     Attributes
     ----------
     area : array of float, shape (lumens,)
-        Areas at rest [length**2].
+        Areas at rest [length**dimension].
     body : array of int, shape (lumens,)
         Body of each lumen.
     pressure : array of float, shape (lumens,)
@@ -57,25 +61,21 @@ class LumenFluids:
     def __init__(
         self, space: DisplacementSpace, region: str, *, modulus: float, fill: float = 1.0, in_full: bool = False
     ) -> None:
-        # The potential of a unit pressure is the area that the outline sweeps out of the lumen.
-        swept = BoundaryLoads(space, [Pressure(region, 1.0)], PrescribedMotion(space, []))
-        swept.apply(1.0)
-        rest = np.zeros(space.unknowns)
         outline = space.region_unknowns(region)
         self.body = np.unique(space.body_of_unknown[outline])
         self._member = np.concatenate([axis * space.size + outline for axis in range(space.dimension)])
         lumen = np.searchsorted(self.body, space.body_of_unknown[outline])
         self._lumen = np.tile(lumen, space.dimension)
-        self._slope = -swept.gradient(rest)[self._member]
-        self._bend = -swept.tangent(rest)[self._member][:, self._member].tocsr()
-        self._size = space.unknowns
+        self._swept = (_Outlines if space.dimension == 2 else _Surfaces)(space, region, self._member)
+        self._size, self._dimension = space.unknowns, space.dimension
         self._modulus, self._fill, self._in_full = modulus, fill, in_full
-        self.area = self._swept(space.rest.ravel()) / 3  # a body blown up to twice its size
+        # Bodies are blown up to twice their size.
+        self.area = self._risen(space.rest.ravel()) / (2**space.dimension - 1)
         self._pairs()
         self.apply(0.0)
 
     def _pairs(self) -> None:
-        """List all pairs of unknowns of each lumen, the lower triangle, and the entries of the second derivative."""
+        """List all pairs of unknowns of each lumen, the lower triangle, and which of them have a second derivative."""
         row, column = [], []
         for lumen in range(len(self.area)):
             mine = np.flatnonzero(self._lumen == lumen)
@@ -83,12 +83,11 @@ class LumenFluids:
             row.append(mine[one])
             column.append(mine[two])
         self._row, self._column = np.concatenate(row), np.concatenate(column)
-        bend = sparse.tril(self._bend).tocoo()
+        bent = self._swept.pattern
         width = len(self._member)
         order = np.argsort(self._row * width + self._column)
-        found = np.searchsorted((self._row * width + self._column)[order], bend.coords[0] * width + bend.coords[1])
-        self._bent = np.zeros(len(self._row))
-        self._bent[order[found]] = bend.data
+        found = np.searchsorted((self._row * width + self._column)[order], bent[0] * width + bent[1])
+        self._bent = order[found]
 
     def apply(self, load_factor: float) -> None:
         """Set the load factor, and forget what was learned about pressures."""
@@ -102,26 +101,26 @@ class LumenFluids:
 
     @property
     def needed(self) -> Array:
-        """Area of each fluid [length**2], shape (lumens,)."""
+        """Area of each fluid [length**dimension], shape (lumens,)."""
         return (1 + self._share * (self._fill - 1)) * self.area
 
     def areas(self, displacement: Array) -> Array:
-        """Return the area of each lumen [length**2], shape (lumens,)."""
-        return self.area + self._swept(displacement)
+        """Return the area of each lumen [length**dimension], shape (lumens,)."""
+        return self.area + self._risen(displacement)
 
     def pressures(self, displacement: Array) -> Array:
         """Return the pressure that each liquid answers with [stress], shape (lumens,)."""
         return self.pressure - self._stiffness * self._surplus(displacement)
 
     def energy(self, displacement: Array) -> float:
-        """Return the energy of the liquids [stress * length**2]; 0 where all areas are right."""
+        """Return the energy of the liquids [stress * length**dimension]; 0 where all areas are right."""
         difference = self.pressures(displacement) ** 2 - self.pressure**2
         return float((difference / (2 * self._stiffness)).sum())
 
     def gradient(self, displacement: Array) -> Array:
         """Return minus the nodal forces on the walls [stress * length], shape (unknowns,)."""
         slope = np.zeros(self._size)
-        slope[self._member] = -self.pressures(displacement)[self._lumen] * self._rise(displacement)
+        slope[self._member] = -self.pressures(displacement)[self._lumen] * self._swept.slope(displacement)
         return slope
 
     @property
@@ -133,9 +132,11 @@ class LumenFluids:
     def tangent(self, displacement: Array) -> Array:
         """Return the second derivative of the energy [stress] on `pattern`."""
         lumen = self._lumen[self._row]
-        rise = self._rise(displacement)
+        rise = self._swept.slope(displacement)
         squeeze = self._stiffness[lumen] * rise[self._row] * rise[self._column]
-        return np.asarray(squeeze - self.pressures(displacement)[lumen] * self._bent)
+        bent = np.zeros(len(squeeze))
+        bent[self._bent] = self._swept.bend(displacement)
+        return np.asarray(squeeze - self.pressures(displacement)[lumen] * bent)
 
     def missed(self, displacement: Array) -> float:
         """Return the largest relative deviation of an area from that of its fluid."""
@@ -151,7 +152,8 @@ class LumenFluids:
         surplus = self._surplus(displacement)
         self.pressure = self.pressures(displacement)
         energy = float((self._stiffness * surplus**2).sum()) / 2
-        return float(np.abs(surplus / np.sqrt(self.area)).max(initial=0.0)), energy
+        surface = self.area ** (1 - 1 / self._dimension)
+        return float(np.abs(surplus / surface).max(initial=0.0)), energy
 
     def hasten(self) -> None:
         """Stiffen the liquids: where cells are confined, they are stiffer than these were made for."""
@@ -159,17 +161,92 @@ class LumenFluids:
 
     @property
     def _stiffness(self) -> Array:
-        """Pressure for each surplus of area [stress / length**2], shape (lumens,)."""
+        """Pressure for each surplus of area [stress / length**dimension], shape (lumens,)."""
         return self._pace * self._modulus / self.area
 
     def _surplus(self, displacement: Array) -> Array:
         return self.areas(displacement) - self.needed
 
-    def _swept(self, displacement: Array) -> Array:
+    def _risen(self, displacement: Array) -> Array:
         """Return the change of each lumen's area."""
-        by = displacement[self._member]
-        return np.bincount(self._lumen, by * (self._slope + self._bend @ by / 2), len(self.body))
+        return np.bincount(self._lumen, self._swept.shares(displacement), len(self.body))
 
-    def _rise(self, displacement: Array) -> Array:
-        """Return the derivative of the areas by the unknowns of their outlines."""
+
+class _Outlines:
+    """Areas within lines, quadratic in the displacement.
+
+    Parameters
+    ----------
+    space : DisplacementSpace
+        The unknowns.
+    region : str
+        The closed lines, a regular expression.
+    member : array of int, shape (members,)
+        Their unknowns.
+
+    Attributes
+    ----------
+    pattern : tuple of array of int
+        Rows and columns among the members of the entries of the second derivative, lower triangle.
+    """
+
+    def __init__(self, space: DisplacementSpace, region: str, member: Index) -> None:
+        rest, swept = np.zeros(space.unknowns), _unit_pressure(space, region)
+        self._member = member
+        self._slope = -swept.gradient(rest)[member]
+        self._bend = -swept.tangent(rest)[member][:, member].tocsr()
+        lower = sparse.tril(self._bend).tocoo()
+        self.pattern, self._lower = lower.coords, lower.data
+
+    def shares(self, displacement: Array) -> Array:
+        """Return what members contribute to the change of areas, shape (members,)."""
+        by = displacement[self._member]
+        return np.asarray(by * (self._slope + self._bend @ by / 2))
+
+    def slope(self, displacement: Array) -> Array:
+        """Return the derivative of the areas by the members, shape (members,)."""
         return np.asarray(self._slope + self._bend @ displacement[self._member])
+
+    def bend(self, displacement: Array) -> Array:
+        """Return the second derivative on `pattern`."""
+        return self._lower
+
+
+class _Surfaces:
+    """Volumes within surfaces, homogeneous of degree three in positions; parameters and attributes as for `_Outlines`.
+
+    By Euler's theorem they are a third of positions times derivatives.
+    """
+
+    def __init__(self, space: DisplacementSpace, region: str, member: Index) -> None:
+        self._swept = _unit_pressure(space, region)
+        self._member, self._rest = member, space.rest.ravel()[member]
+        nothing = np.zeros(space.unknowns)
+        self._at_rest = self._rest * self.slope(nothing)
+        tangent = self._swept.tangent(nothing)
+        row, column = np.repeat(np.arange(space.unknowns), np.diff(tangent.indptr)), tangent.indices
+        place = np.full(space.unknowns, -1)
+        place[member] = np.arange(len(member))
+        row, column = place[row], place[column]
+        self._lower = np.flatnonzero((row >= 0) & (column >= 0) & (row >= column))
+        self.pattern = row[self._lower], column[self._lower]
+
+    def shares(self, displacement: Array) -> Array:
+        """Return what members contribute to the change of volumes, shape (members,)."""
+        moved = (self._rest + displacement[self._member]) * self.slope(displacement)
+        return np.asarray((moved - self._at_rest) / 3)
+
+    def slope(self, displacement: Array) -> Array:
+        """Return the derivative of the volumes by the members, shape (members,)."""
+        return np.asarray(-self._swept.gradient(displacement)[self._member])
+
+    def bend(self, displacement: Array) -> Array:
+        """Return the second derivative on `pattern`."""
+        return np.asarray(-self._swept.tangent(displacement).data[self._lower])
+
+
+def _unit_pressure(space: DisplacementSpace, region: str) -> BoundaryLoads:
+    """Return a unit pressure, whose potential is what the boundary sweeps out of the lumen."""
+    loads = BoundaryLoads(space, [Pressure(region, 1.0)], PrescribedMotion(space, []))
+    loads.apply(1.0)
+    return loads

@@ -33,7 +33,7 @@ MEANING = {
     "complementarity": "integral of contact pressure times gap over the stored energy",
     "weighted_overlap": "deepest overlap averaged by a multiplier's function over the thinnest wall; mortar only",
     "weighted_complementarity": "sum of multipliers times weighted gaps over the stored energy; mortar only",
-    "lumen_area": "largest deviation of a lumen's area from that of its fluid, relative; fluids only",
+    "lumen_area": "largest deviation of a lumen's area or volume from that of its fluid, relative; fluids only",
     "body_balance": "largest force out of balance on a body over the largest force in play",
     "plate_balance": "sum of all support forces over the largest force in play",
     "smallest_jacobian": "smallest ratio of deformed to reference volume; must exceed the limit",

@@ -104,6 +104,15 @@ class Case(BaseModel):
 
     @field_validator("lumen")
     @classmethod
+    def _keeps_fluids(cls, lumen: Lumen | None, info: ValidationInfo) -> Lumen | None:
+        tissue = info.data.get("tissue")
+        if isinstance(lumen, Fluid) and tissue is not None and tissue.height is not None and tissue.end_wall is None:
+            allowed = "flows out of hollow prisms; allowed: closed ones, with a tissue.end_wall"
+            raise PydanticCustomError("limit", allowed, {"place": ("kind",)})
+        return lumen
+
+    @field_validator("lumen")
+    @classmethod
     def _without_fibres(cls, lumen: Lumen | None) -> Lumen | None:
         if isinstance(lumen, Inclusion) and lumen.material.fibres is not None:
             raise PydanticCustomError(
@@ -174,5 +183,5 @@ def _of_prisms(value: Any) -> dict[str, bool]:
 def _of_the_plane(value: Any) -> dict[str, bool]:
     """Return what of a part of a case only planar scenes have."""
     return {
-        "kind": isinstance(value, Mortar | Fluid),
+        "kind": isinstance(value, Mortar),
     }

@@ -52,10 +52,13 @@ class Inclusion(BaseModel):
 class Fluid(BaseModel):
     """An incompressible fluid that fills every cell: each lumen keeps its area, whatever pressure that takes.
 
+    In space a closed lumen keeps its volume.
+
     Parameters
     ----------
     fill : float
-        Area of the fluid at load factor 1 over that of the lumen at rest, > 0; more than 1 makes cells turgid.
+        Area, or volume, of the fluid at load factor 1 over that of the lumen at rest, > 0; more than 1 makes cells
+        turgid.
     ramp : {"with-load", "first"}
         Whether cells are filled up in proportion to the load, or hold that much at every level.
     """

@@ -77,6 +77,12 @@ WRONG: dict[str, tuple[tuple[str, str], int, str, str]] = {
         'load.ends = "pressed"',
         "is for prisms; allowed: only beside tissue.height",
     ),
+    "fluids in hollow prisms": (
+        ("wall = 0.1", 'wall = 0.1\nheight = 1.0\n\n[lumen]\nkind = "fluid"'),
+        11,
+        'lumen.kind = "fluid"',
+        "flows out of hollow prisms; allowed: closed ones, with a tissue.end_wall",
+    ),
     "layers without a height": (
         ("wall = 0.1", "wall = 0.1\nlayers = 2"),
         8,
@@ -294,7 +300,7 @@ def test_wrong_case_is_one_useful_line(
     assert says in answer.stderr
 
 
-@pytest.mark.parametrize("lumen", ['kind = "pressure"\npressure = 0.1\nramp = "first"'])
+@pytest.mark.parametrize("lumen", ['kind = "fluid"', 'kind = "pressure"\npressure = 0.1\nramp = "first"'])
 def test_pressed_ends_grow_with_all_else_that_pushes(write_case: Callable[..., Path], lumen: str) -> None:
     closed = "wall = 0.1\nheight = 1.0\nend_wall = 0.1"
     pressed = f'levels = 2\nends = "pressed"\nend_pressure = 0.1\n\n[lumen]\n{lumen}\n'
