@@ -35,8 +35,9 @@ class BulkEnergy:
         Loads on boundaries, taken at the load factor that was last applied to them. By default there are none.
     filling : MooneyRivlinLaw, optional
         Law of what fills the lumens; needed where there is something.
-    fibre_direction : array of float, shape (elements, 2), optional
-        Unit vector in the plane from which angles of fibres are measured, in each element; needed where a law has any.
+    fibre_direction : array of float, shape (elements, 2), in space (elements, 6), optional
+        Unit vector in the plane from which angles of fibres are measured, in each element, and in space the one
+        towards which they are; needed where a law has any.
     """
 
     def __init__(

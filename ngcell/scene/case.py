@@ -106,9 +106,14 @@ class Case(BaseModel):
     @classmethod
     def _keeps_fluids(cls, lumen: Lumen | None, info: ValidationInfo) -> Lumen | None:
         tissue = info.data.get("tissue")
-        if isinstance(lumen, Fluid) and tissue is not None and tissue.height is not None and tissue.end_wall is None:
-            allowed = "flows out of hollow prisms; allowed: closed ones, with a tissue.end_wall"
-            raise PydanticCustomError("limit", allowed, {"place": ("kind",)})
+        if tissue is None or tissue.height is None or tissue.end_wall is not None:
+            return lumen
+        closed = "allowed: closed ones, with a tissue.end_wall"
+        if isinstance(lumen, Fluid):
+            raise PydanticCustomError("limit", f"flows out of hollow prisms; {closed}", {"place": ("kind",)})
+        if isinstance(lumen, CellPressure) and tissue.layers > 1:
+            escapes = f"escapes between layers of hollow prisms; {closed}"
+            raise PydanticCustomError("limit", escapes, {"place": ("kind",)})
         return lumen
 
     @field_validator("lumen")

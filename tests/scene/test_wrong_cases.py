@@ -77,6 +77,12 @@ WRONG: dict[str, tuple[tuple[str, str], int, str, str]] = {
         'load.ends = "pressed"',
         "is for prisms; allowed: only beside tissue.height",
     ),
+    "a pressure in hollow layers": (
+        ("wall = 0.1", 'wall = 0.1\nheight = 1.0\nlayers = 2\n\n[lumen]\nkind = "pressure"\npressure = 0.1'),
+        12,
+        'lumen.kind = "pressure"',
+        "escapes between layers of hollow prisms; allowed: closed ones, with a tissue.end_wall",
+    ),
     "fluids in hollow prisms": (
         ("wall = 0.1", 'wall = 0.1\nheight = 1.0\n\n[lumen]\nkind = "fluid"'),
         11,
