@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import replace
-from functools import lru_cache
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import shapely
@@ -49,12 +49,17 @@ def deepest_overlap_of_bodies(space: DisplacementSpace, walls: Walls, positions:
     return deepest_overlap(walls, walls.nodes(positions), whole and (whole, whole.nodes(positions)))
 
 
-@lru_cache(maxsize=1)
 def _all_boundaries(space: DisplacementSpace, walls: Walls) -> Walls | None:
     """Return the boundaries of all bodies as if they were walls; None where walls go all around."""
-    if has_all_outlines(walls, space.bodies.body_count):
-        return None
-    return find_walls(replace(space.bodies, wall_names=".*"), space.scalar, space.rest)
+    if walls not in _boundaries:
+        everywhere = has_all_outlines(walls, space.bodies.body_count)
+        all_names = replace(space.bodies, wall_names=".*")
+        _boundaries[walls] = None if everywhere else find_walls(all_names, space.scalar, space.rest)
+    return _boundaries[walls]
+
+
+#: What was found of walls that are still in use.
+_boundaries: WeakKeyDictionary[Walls, Walls | None] = WeakKeyDictionary()
 
 
 def deepest_overlap(walls: Walls, nodes: Array, whole: tuple[Walls, Array] | None = None) -> float:

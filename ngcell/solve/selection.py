@@ -177,7 +177,10 @@ class Release:
 def until_conditions_hold(
     minimiser: Minimiser, minimum: Minimum, length: float, name: float = 0.0, most: int | None = None
 ) -> Minimum:
-    """Improve and minimise in turn until what is missed is nothing beside `length`, in at most so many iterations."""
+    """Improve and minimise in turn until what is missed is nothing beside `length`.
+
+    A walk that chatters goes on for at most so many iterations.
+    """
     before, was_hastened, spent = float("inf"), False, minimiser.effort.iterations
     for _ in range(MOST_UPDATES):
         missed, energy = minimiser.problem.improve(minimum.state)
@@ -193,7 +196,8 @@ def until_conditions_hold(
         minimum, _ = _minimise(minimiser, start, minimum.tether, AT_THE_END, name, tolerance)
         if not minimum.is_found:
             return minimum
-        if most is not None and minimiser.effort.iterations - spent > most:
+        chatters = minimum.ending is Ending.STALLED
+        if chatters and most is not None and minimiser.effort.iterations - spent > most:
             break
     return replace(minimum, ending=Ending.CONDITIONS_MISSED)
 
