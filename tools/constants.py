@@ -31,8 +31,9 @@ RESULTS = Path(__file__).resolve().parent / "results"
 SCENES = {
     "empty": ["load.levels=1"],
     "pressurised": ["load.levels=1", 'lumen.kind="pressure"', "lumen.pressure=0.0025"],
-    "filled": ["load.levels=1", "load.displacement=[0.4, 0.0]", 'lumen.kind="inclusion"', "lumen.material.c1=0.01",
-               "lumen.material.c2=0.01", "lumen.material.bulk_modulus=1.0"],
+    "filled": ["load.levels=1", "load.displacement=[0.4, 0.0]", 'lumen.kind="inclusion"',
+               'lumen.material.kind="mooney-rivlin"', "lumen.material.c1=0.01", "lumen.material.c2=0.01",
+               "lumen.material.bulk_modulus=1.0"],
     "mortar": ["load.levels=1", "load.displacement=[0.4, 0.0]", 'contact.kind="mortar"'],
 }  # fmt: skip
 #: Module, name, and the values in place of the package's.
