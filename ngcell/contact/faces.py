@@ -120,9 +120,11 @@ class FaceBasis:
     def level_rule(self) -> tuple[Array, Array]:
         """Points and weights for squares that are ends of prisms: the rule of Gauss in both directions.
 
-        Seams run in both directions there, and the rims of these walls are told by the walls around the cells.
+        Seams run in both directions there, and rims of one layer lie on those of the next, where directions of the push
+        would flip. It has as many points as the rule on edges: with one less, corners of a layer that has slid sink
+        into the other by 2 % of the wall; with these, by less than 0.5 %.
         """
-        legendre, weights = np.polynomial.legendre.leggauss(self.order + 1)
+        legendre, weights = np.polynomial.legendre.leggauss(self.order + 2)
         return _product(*[((legendre + 1) / 2, weights / 2)] * 2)
 
 

@@ -62,6 +62,16 @@ def test_two_layers_pulled_part_and_bear_nothing(tissue):
     assert [cell.clump for cell in step.cells] == [0, 1]
 
 
+def test_layers_slide_on_each_other():
+    """Without friction a sheared stack has next to nothing to hold against, and corners do not sink in."""
+    found = steps(stack(2, (0.2, 0, -0.01), tissue=CLOSED))
+    assert found["compact"].record.plate_force_x > 0.1
+    step = found["contact"]
+    assert step.record.certified
+    assert abs(step.record.plate_force_x) < 0.02 * found["compact"].record.plate_force_x
+    assert step.record.contact_force == pytest.approx(-step.record.plate_force_z, rel=0.01)
+
+
 def test_moving_the_whole_stack_moves_the_answer():
     simulation = Simulation(stack(2, (0, 0, -0.05), tissue=CLOSED, cells=2))
     assembly, space = simulation.released, simulation.space
