@@ -31,7 +31,6 @@ from ngcell.scene import (
     Fluid,
     Inclusion,
     MooneyRivlin,
-    Mortar,
     Sddp,
 )
 
@@ -167,8 +166,6 @@ def _body_blueprint(scene: BodyScene) -> Blueprint:
         untouched=untouched,
         refinements=scene.refinements,
     )
-    if bodies.dimension == 3 and isinstance(scene.contact, Mortar):
-        raise CaseError("contact is a Mortar; allowed for solids: a Penalty")
     check_boundaries(bodies, untouched, wanted_by="untouched edge")
     check_boundaries(bodies, [support.boundary for support in scene.supports])
     pushed = [load.boundary for load in scene.loads if not isinstance(load, BodyForce)]

@@ -174,10 +174,16 @@ def find_faces(bodies: BodyMesh, scalar_space: ngsolve.H1, rest: Array) -> Walls
 
 def loose_sides(walls: Walls) -> NDArray[np.bool_]:
     """Return which sides of each face no other wall shares, shape (faces, corners); side k follows corner k."""
-    vertices = np.einsum("eki,ei->ek", walls.nodal[:, walls.basis.corner_nodes], walls.dofs).round().astype(np.int64)
-    ends = np.sort(np.stack([vertices, np.roll(vertices, -1, axis=1)], axis=-1), axis=-1)
+    vertex = vertices(walls)
+    ends = np.sort(np.stack([vertex, np.roll(vertex, -1, axis=1)], axis=-1), axis=-1)
     _, number, count = np.unique(ends.reshape(-1, 2), axis=0, return_inverse=True, return_counts=True)
-    return np.asarray((count[number.ravel()] == 1).reshape(vertices.shape))
+    return np.asarray((count[number.ravel()] == 1).reshape(vertex.shape))
+
+
+def vertices(walls: Walls) -> Index:
+    """Return the scalar unknowns of the vertices at the corners of each face, shape (faces, corners)."""
+    values = np.einsum("eki,ei->ek", walls.nodal[:, walls.basis.corner_nodes], walls.dofs)
+    return np.asarray(values.round().astype(np.int64))
 
 
 def domains(walls: Walls) -> Array:

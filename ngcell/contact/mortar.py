@@ -23,6 +23,8 @@ of the other body, and Bernstein polynomials keep pressures positive; dual multi
 eliminated, which springs do already. Segments, because a rule that ignores the other mesh misses the patch test by
 the jumps it steps over. Integrals at rest, so that weights do not move. Each wall has multipliers of its own, broken at
 sharp corners, so three cells that meet at a corner have three conditions on six unknowns and none twice.
+
+In space walls are faces and segments polygons: their points are found where pressures are learned, and stay in between.
 """
 
 from __future__ import annotations
@@ -36,10 +38,11 @@ from scipy import sparse
 
 from ngcell.contact.cuts import Cuts
 from ngcell.contact.gap import GapKinematics, gap_kinematics
+from ngcell.contact.integration import integration
 from ngcell.contact.method import ContactMethod, ContactSet
 from ngcell.contact.multipliers import MultiplierSpace, bulge, watched_points
-from ngcell.contact.search import NearEdges, Partners, PartnerSearch, adjacency
-from ngcell.contact.segments import FACING, find_segments, segment_partners
+from ngcell.contact.search import Partners, PartnerSearch, adjacency
+from ngcell.contact.segments import FACING
 from ngcell.contact.walls import WallPoints, Walls
 
 Array = NDArray[np.float64]
@@ -59,8 +62,8 @@ class MortarSet:
     ----------
     kinematics : GapKinematics
         The points behind the gaps.
-    cuts : Cuts
-        The ends of the segments, which move as walls slide.
+    cuts : Cuts or None
+        The ends of the segments, which move as walls slide; None in space.
     rows : array of int, shape (m,)
         Multiplier of each weighted gap.
     average : csr_array, shape (m, partners)
@@ -76,7 +79,7 @@ class MortarSet:
     """
 
     kinematics: GapKinematics
-    cuts: Cuts
+    cuts: Cuts | None
     rows: Index
     average: sparse.csr_array
     allowance: Array
@@ -110,14 +113,16 @@ class MortarSet:
         """Return one one-sided spring a weighted gap."""
         gap, slopes = self.kinematics.slopes(positions)
         jacobian = self.average @ self.kinematics.jacobian(slopes, positions.shape[1])
-        jacobian += self.cuts.jacobian(positions)
+        if self.cuts is not None:
+            jacobian += self.cuts.jacobian(positions)
         shifted = self.average @ gap + self.allowance - self.pressure / self.stiffness
         return shifted, jacobian.tocsr(), self.stiffness * self.weight
 
     def curvature(self, positions: Array) -> sparse.coo_array:
         """Return the part of the tangent that is due to the curvature of the pressed gaps."""
         push = self.weight * self.pressures(positions)
-        return self.kinematics.bending(positions, self.average.T @ push) + self.cuts.curvature(positions, push)
+        bending = self.kinematics.bending(positions, self.average.T @ push)
+        return bending if self.cuts is None else bending + self.cuts.curvature(positions, push)
 
     def pushes(self, positions: Array) -> Array:
         """Return the force that each point transmits [stress * length], >= 0."""
@@ -151,14 +156,14 @@ class MortarContact:
         self.stiffness = stiffness
         self.reach = reach
         self.space = MultiplierSpace(walls)
-        self._near = NearEdges(walls, reach)
         self._rank = _carriers_first(walls, stiffness)
+        self._integration = integration(walls, reach, self._rank)
         edge, xi = watched_points(walls)
         self._watched_edge = edge
         self._watched = PartnerSearch(walls, WallPoints(edge, xi, np.zeros(len(edge))), reach)
         self._watched_count, self._bodies = len(edge), int(walls.body.max()) + 1
         self._allowance = self._allowed(walls.rest)
-        self._weight = self._all_rows(self.space.weight, walls.depth[edge])
+        self._weight = self._all_rows(self.space.weight, walls.depth[edge] ** (walls.dimension - 1))
         by_row = np.zeros(self.space.size)
         by_row[self.space.row] = stiffness[:, None]
         self._stiffness = self._all_rows(by_row, stiffness[edge])
@@ -166,11 +171,10 @@ class MortarContact:
 
     def _allowed(self, nodes: Array) -> Array:
         """Return what is added to the gaps of watched points. Polygons that bend bulge more than at rest."""
-        length = np.linalg.norm(self.walls.rest[:, -1] - self.walls.rest[:, 0], axis=1)
         rise = bulge(self.walls, self.walls.rest)
         if self.walls.basis.order == 1:
             rise = np.maximum(rise, bulge(self.walls, nodes))
-        allowance = ALLOWED * length + rise
+        allowance = ALLOWED * self.walls.sizes + rise
         return self._all_rows(np.zeros(self.space.size), allowance[self._watched_edge])
 
     def _all_rows(self, by_function: Array, by_point: Array) -> Array:
@@ -179,7 +183,8 @@ class MortarContact:
 
     def follow(self, other: ContactMethod, positions: Array) -> None:
         """Start from the pressures of another method at an equilibrium of its own; watched points start from none."""
-        along, _ = self._along_walls(self.walls.nodes(positions))
+        self._integration.renew(self.walls.nodes(positions))
+        along, _ = self._integration.points(self.walls.nodes(positions))
         by_edge = np.argsort(along.edge, kind="stable")
         pressure = np.zeros(len(along))
         points = WallPoints(along.edge[by_edge], along.here[by_edge], along.weight[by_edge])
@@ -192,14 +197,13 @@ class MortarContact:
     def pair(self, positions: Array) -> MortarSet:
         """Find all segments and watched points at `positions`, unknowns of shape (2, scalar unknowns)."""
         nodes = self.walls.nodes(positions)
-        along, cuts = self._along_walls(nodes)
+        along, ends = self._integration.points(nodes)
         watched = self._watched.partners(nodes)
         partners = Partners(*(np.concatenate(pair) for pair in zip(_arrays(along), _arrays(watched), strict=True)))
         rows, average = self._averages(along, watched)
-        slope = np.einsum("pi,pid->pd", self.walls.basis.values(cuts.here, 1), nodes[cuts.edge])
         return MortarSet(
             kinematics=gap_kinematics(self.walls, partners, positions),
-            cuts=Cuts(gap_kinematics(self.walls, cuts, positions), self._shares(cuts, rows), slope),
+            cuts=None if ends is None else self._cuts(ends, rows, positions, nodes),
             rows=rows,
             average=average,
             allowance=self._allowance[rows],
@@ -208,11 +212,9 @@ class MortarContact:
             weight=self._weight[rows],
         )
 
-    def _along_walls(self, nodes: Array) -> tuple[Partners, Partners]:
-        edge, other = self._near.pairs(nodes)
-        carries = self._rank[self.walls.body[edge]] < self._rank[self.walls.body[other]]
-        segments = find_segments(self.walls, nodes, edge[carries], other[carries])
-        return segment_partners(self.walls, nodes, segments, self.reach)
+    def _cuts(self, ends: Partners, rows: Index, positions: Array, nodes: Array) -> Cuts:
+        slope = np.einsum("pi,pid->pd", self.walls.basis.values(ends.here, 1), nodes[ends.edge])
+        return Cuts(gap_kinematics(self.walls, ends, positions), self._shares(ends, rows), slope)
 
     def _averages(self, along: Partners, watched: Partners) -> tuple[Index, sparse.csr_array]:
         """Return the multipliers that have points, and the share of each point in their gaps."""
@@ -251,7 +253,7 @@ class MortarContact:
         partners = PartnerSearch(self.walls, points, self.reach).partners(nodes)
         carries = self._rank[self.walls.body[partners.edge]] < self._rank[self.walls.body[partners.other]]
         edge = np.where(carries, partners.edge, partners.other)
-        xi = np.where(carries, partners.here, partners.xi)
+        xi = np.where(carries.reshape(-1, *(1,) * (partners.xi.ndim - 1)), partners.here, partners.xi)
         pressure = (self.space.values(xi) * multipliers[self.space.row[edge]]).sum(1)
         normal = self.walls.chord_normals(nodes)
         faces = np.einsum("pd,pd->p", normal[partners.edge], normal[partners.other]) < FACING
@@ -265,6 +267,8 @@ class MortarContact:
         """Take over the pressures of an equilibrium; return the largest gap [length] that their change stands for, and
         the energy of that change in the springs [stress * length**2]."""
         assert isinstance(contact, MortarSet)
+        if self._integration.renew(self.walls.nodes(positions)):
+            contact = self.pair(positions)
         pushed = self._pushed(contact, positions)
         stiffness = self._pace * self._stiffness
         missed = np.abs(pushed - self.multipliers) / stiffness
@@ -284,10 +288,9 @@ class MortarContact:
 def _carriers_first(walls: Walls, stiffness: Array) -> Index:
     """Return the rank of each body: of a pair, the one with the lower rank carries the multiplier."""
     count = int(walls.body.max()) + 1
-    length = np.linalg.norm(walls.rest[:, -1] - walls.rest[:, 0], axis=1)
     softness, size = np.full(count, np.inf), np.zeros(count)
     np.minimum.at(softness, walls.body, stiffness * walls.depth)
-    np.add.at(size, walls.body, length)
+    np.add.at(size, walls.body, walls.sizes)
     size /= np.maximum(np.bincount(walls.body, minlength=count), 1)
     order = np.lexsort((np.arange(count), np.round(size / size.max(), 9), np.round(np.log(softness), 9)))
     rank = np.empty(count, dtype=np.int64)

@@ -6,17 +6,25 @@ hence stable beside them for any mesh of the other body; its degree keeps the or
 polynomials are positive and add up to one, so ``coefficients >= 0`` makes the pressure itself >= 0, and a uniform
 pressure is one of them. At a sharp corner the last two functions are one: where other walls or a support hold the
 corner, a trace has one free value less there, and a multiplier of its own for that end would be determined by nothing.
+
+In space the same holds on faces: products of Bernstein polynomials on quadrilaterals, those of the triangle on
+triangles, broken at sharp sides.
 """
 
 from __future__ import annotations
 
-from math import comb
+from functools import cached_property
+from math import comb, factorial
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.contact.walls import Walls
 from ngcell.geometry.near import components
+
+if TYPE_CHECKING:
+    from ngcell.contact.faces import FaceBasis
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -45,7 +53,8 @@ class MultiplierSpace:
 
     def __init__(self, walls: Walls) -> None:
         self.degree = max(1, walls.basis.order - 1)
-        self.row = _numbered(walls, self.degree)
+        self._walls = walls
+        self.row = self._numbered()
         shares = np.einsum("ep,pb->eb", walls.weights, self.values(walls.stations))
         self.weight = np.bincount(self.row.ravel(), shares.ravel())
 
@@ -56,10 +65,40 @@ class MultiplierSpace:
 
     def values(self, xi: Array) -> Array:
         """Return the functions of an edge at `xi`, shape (*xi.shape, degree + 1)."""
+        if self._walls.dimension == 3:
+            return self._values_on_faces(xi)
+        return self._along(xi)
+
+    def _along(self, xi: Array) -> Array:
         xi = np.asarray(xi)[..., None]
         power = np.arange(self.degree + 1)
         binomial = np.array([comb(self.degree, k) for k in power])
         return binomial * xi**power * (1 - xi) ** (self.degree - power)
+
+    @cached_property
+    def _lattice(self) -> FaceBasis:
+        """In space: where the functions of a face are largest, or nearly so."""
+        from ngcell.contact.faces import FaceBasis
+
+        return FaceBasis(self.degree, self._walls.basis.corner_count)
+
+    def _values_on_faces(self, xi: Array) -> Array:
+        """Return the functions of a face at `xi`, (*shape, 2); shape (*shape, functions)."""
+        x, y = np.asarray(xi)[..., 0], np.asarray(xi)[..., 1]
+        one, two = (self._lattice.nodes * self.degree).round().astype(int).T
+        if self._lattice.corner_count == 4:
+            return np.asarray(self._along(x)[..., one] * self._along(y)[..., two])
+        rest = self.degree - one - two
+        repeats = [[factorial(power) for power in powers] for powers in (one, two, rest)]
+        x, y = x[..., None], y[..., None]
+        return np.asarray(factorial(self.degree) / np.prod(repeats, axis=0) * x**one * y**two * (1 - x - y) ** rest)
+
+    def _numbered(self) -> Index:
+        if self._walls.dimension == 2:
+            return _numbered(self._walls, self.degree)
+        from ngcell.contact.joints import numbered
+
+        return numbered(self._walls, self._lattice, np.abs(self._walls.turning) >= SHARP)
 
 
 def _numbered(walls: Walls, degree: int) -> Index:
@@ -81,6 +120,8 @@ def _numbered(walls: Walls, degree: int) -> Index:
 
 def watched_points(walls: Walls) -> tuple[Index, Array]:
     """Return the vertices, each once, and the quarters of all edges, as edges and coordinates on them."""
+    if walls.dimension == 3:
+        return _watched_on_faces(walls)
     _, first = np.unique(walls.ends.ravel(), return_index=True)
     edge, end = np.divmod(first, 2)
     quarters = np.array([0.25, 0.5, 0.75])
@@ -90,11 +131,25 @@ def watched_points(walls: Walls) -> tuple[Index, Array]:
     return edge[order], xi[order]
 
 
+def _watched_on_faces(walls: Walls) -> tuple[Index, Array]:
+    """Return the points of faces whose coordinates are quarters; those on shared sides once."""
+    from ngcell.contact.faces import FaceBasis
+    from ngcell.contact.joints import lattice_places
+
+    lattice = FaceBasis(4, walls.basis.corner_count)
+    place = lattice_places(walls, lattice).reshape(-1, 3)
+    edge, number = np.divmod(np.arange(len(place)), len(lattice.nodes))
+    digits = np.round(place / (1e-7 * np.abs(place).max()))
+    _, first = np.unique(np.column_stack([walls.body[edge], digits]), axis=0, return_index=True)
+    first = np.sort(first)
+    return edge[first], lattice.nodes[number[first]]
+
+
 def bulge(walls: Walls, nodes: Array) -> Array:
     """Return how far an outline rises from its edges' chords [length], by its turning at joints smooth at rest.
 
     Polygons that stand for touching arcs overlap by as much. Shape (edges,); `nodes` has shape (edges, order + 1, 2).
     """
-    length = np.linalg.norm(nodes[:, -1] - nodes[:, 0], axis=1)
+    length = walls.sizes_at(nodes)
     smooth = np.where(np.abs(walls.turning) < SHARP, np.abs(walls.turning_at(nodes)), 0.0)
     return np.asarray(length * smooth.max(1) / 4)

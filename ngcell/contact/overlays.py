@@ -120,7 +120,7 @@ def _clipped(polygon: Array, start: Array, end: Array, tolerance: Array) -> Arra
     ahead, rise = np.roll(polygon, -1, axis=1), np.roll(height, -1, axis=1)
     inside = height >= -tolerance[:, None]
     crosses = inside != np.roll(inside, -1, axis=1)
-    share = np.divide(height, height - rise, out=np.zeros_like(height), where=crosses)
+    share = np.clip(np.divide(height, height - rise, out=np.zeros_like(height), where=crosses), 0, 1)
     crossing = polygon + share[..., None] * (ahead - polygon)
     count, most = len(polygon), polygon.shape[1]
     corners = np.stack([polygon, crossing], axis=2).reshape(count, 2 * most, 2)

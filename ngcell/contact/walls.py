@@ -138,9 +138,13 @@ class Walls:
     @cached_property
     def sizes(self) -> Array:
         """Lengths of the chords at rest, in space of the shortest sides, shape (edges,)."""
+        return self.sizes_at(self.rest)
+
+    def sizes_at(self, nodes: Array) -> Array:
+        """Return the same at nodes of shape (edges, order + 1, 2)."""
         if self.dimension == 2:
-            return np.asarray(np.linalg.norm(self.rest[:, -1] - self.rest[:, 0], axis=1))
-        corner = self.rest[:, self.basis.corner_nodes]
+            return np.asarray(np.linalg.norm(nodes[:, -1] - nodes[:, 0], axis=1))
+        corner = nodes[:, self.basis.corner_nodes]
         return np.asarray(np.linalg.norm(np.roll(corner, -1, axis=1) - corner, axis=2).min(1))
 
     def nodes(self, unknowns: Array) -> Array:
@@ -184,12 +188,16 @@ class Walls:
     def turning(self) -> Array:
         """Angle by which the outline turns at the start and at the end of each edge at rest, shape (edges, 2).
 
-        In radians, positive at convex corners; 0 where the outline ends.
+        In radians, positive at convex corners; 0 where the outline ends. In space at each side, shape (edges, corners).
         """
         return self.turning_at(self.rest)
 
     def turning_at(self, nodes: Array) -> Array:
         """Return the same at nodes of shape (edges, order + 1, 2)."""
+        if self.dimension == 3:
+            from ngcell.contact.joints import turning_at
+
+            return turning_at(self, nodes)
         slope = np.einsum("ki,eid->ekd", self.basis.values(np.array([0.0, 1.0]), 1), nodes)
         normal = np.stack([slope[..., 1], -slope[..., 0]], axis=-1) * self.side[:, None, None]
         normal = (normal / np.linalg.norm(normal, axis=-1, keepdims=True)).reshape(-1, 2)

@@ -9,7 +9,7 @@ from pydantic import BaseModel, Strict, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
 from ngcell.scene.cohesion import Cohesion, check_company
-from ngcell.scene.contact import Contact, Mortar, Penalty
+from ngcell.scene.contact import Contact, Penalty
 from ngcell.scene.expected import Expected
 from ngcell.scene.load import Ends, Load
 from ngcell.scene.lumen import CellPressure, Fluid, Inclusion, Lumen
@@ -78,17 +78,15 @@ class Case(BaseModel):
 
     @field_validator("material", "lumen", "load", "contact", "cohesion", "mesh")
     @classmethod
-    def _in_plane_or_space(cls, value: Any, info: ValidationInfo) -> Any:
+    def _for_prisms_only(cls, value: Any, info: ValidationInfo) -> Any:
         tissue = info.data.get("tissue")
-        if tissue is None:
+        if tissue is None or tissue.height is not None:
             return value
-        is_planar = tissue.height is None
-        for place, is_there in (_of_prisms(value) if is_planar else _of_the_plane(value)).items():
+        for place, is_there in _of_prisms(value).items():
             if is_there:
-                allowed = "is for prisms; allowed: only beside tissue.height"
-                if not is_planar:
-                    allowed = "is for planar scenes; allowed: not beside tissue.height"
-                raise PydanticCustomError("limit", allowed, {"place": (place,)} if place else {})
+                raise PydanticCustomError(
+                    "limit", "is for prisms; allowed: only beside tissue.height", {"place": (place,)}
+                )
         return value
 
     @field_validator("material")
@@ -183,10 +181,3 @@ def _of_prisms(value: Any) -> dict[str, bool]:
     """Return what of a part of a case only prisms have, by place, and whether it is there."""
     given = {name: getattr(value, name, None) is not None for name in ("ends", "slices", "end_pressure")}
     return {**given, "kind": isinstance(value, Ends)}
-
-
-def _of_the_plane(value: Any) -> dict[str, bool]:
-    """Return what of a part of a case only planar scenes have."""
-    return {
-        "kind": isinstance(value, Mortar),
-    }

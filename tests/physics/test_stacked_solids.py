@@ -7,7 +7,7 @@ import pytest
 from netgen import occ
 
 from ngcell.observation import Step
-from ngcell.scene import Body, BodyScene, BodySupport, MooneyRivlin, Penalty
+from ngcell.scene import Body, BodyScene, BodySupport, MooneyRivlin, Mortar, Penalty
 from ngcell.simulation import Simulation
 
 C1, C2 = 0.8, 0.2
@@ -34,7 +34,7 @@ def held(boundary: str, shift: float = 0.0) -> BodySupport:
 @pytest.mark.parametrize(("order", "stiffness"), [(1, 1.0), (2, 1.0), (2, 10.0)])
 def test_pressure_of_stacked_blocks_is_uniform_and_that_of_the_free_sides(order, stiffness):
     """Walls overlap by the pressure over the stiffness; what they overlap by, blocks are compressed less."""
-    step = pressed((0.35, 0.5), order, stiffness)
+    step = pressed((0.35, 0.5), order, Penalty(stiffness=stiffness))
     assert step.record.certified
     exact = -(C1 + C2 / STRETCH) * (STRETCH**2 - 1 / STRETCH)
     pressure = step.snapshot.walls.point_data["contact_pressure"]
@@ -47,16 +47,16 @@ def test_pressure_of_stacked_blocks_is_uniform_and_that_of_the_free_sides(order,
 
 def test_pressures_scatter_little_between_meshes_whose_faces_cut_each_other():
     """A rule ignores where the faces of the wall opposite end; a coarser one than that of edges scatters by 5 %."""
-    step = pressed((0.28, 0.4), 1, 1.0)
+    step = pressed((0.28, 0.4), 1, Penalty(stiffness=1.0))
     pressure = step.snapshot.walls.point_data["contact_pressure"]
     assert step.record.certified
     assert pressure.std() < 0.01 * pressure.mean()
 
 
-def pressed(sizes: tuple[float, float], order: int, stiffness: float) -> Step:
+def pressed(sizes: tuple[float, float], order: int, contact: Penalty | Mortar) -> Step:
     """Press blocks with elements of these sizes onto each other."""
     bodies = [block("lower", 0.0, 0.5, sizes[0]), block("upper", 0.5, 1.0, sizes[1])]
     mirrors = [held(f"{body.name}_{side}") for body in bodies for side in ("x0", "y0")]
     supports = [*mirrors, held("lower_z0"), held("upper_z1", STRETCH - 1)]
-    scene = BodyScene(bodies, supports, size=0.5, order=order, levels=1, contact=Penalty(stiffness=stiffness))
+    scene = BodyScene(bodies, supports, size=0.5, order=order, levels=1, contact=contact)
     return list(Simulation(scene).walk())[-1]
