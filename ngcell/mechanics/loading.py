@@ -17,7 +17,9 @@ Array = NDArray[np.float64]
 def prescribed_motion(space: DisplacementSpace, load: Load) -> PrescribedMotion:
     """Return the motion that a load prescribes; what moves prisms moves them in the plane."""
     if isinstance(load, Ends):
-        return _ends_motion(space, load)
+        from ngcell.mechanics.ends import EndsMotion
+
+        return EndsMotion(space, load)
     dimension = space.dimension
     whole, still = (True,) * dimension, np.zeros((dimension, dimension))
     ends = []
@@ -77,46 +79,6 @@ def _plates_motion(space: DisplacementSpace, travel: Array, ends: list[Support])
     whole, still = (True,) * dimension, np.zeros((dimension, dimension))
     plates = [Support(LOWER_PLATE, still, np.zeros(dimension), whole), Support(UPPER_PLATE, still, travel, whole)]
     return PrescribedMotion(space, [*ends, *plates], carried)
-
-
-def _ends_motion(space: DisplacementSpace, load: Ends) -> PrescribedMotion:
-    """The front moves rigidly; in between, sections move, twist and tilt in proportion to their height."""
-    (low, high), whole = space.bodies.extent, (True,) * 3
-    foot = np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
-    length, travel = high[2] - low[2], np.array(load.displacement)
-    twist, tilt = _about_z(np.radians(load.twist)), np.radians(load.bend)
-
-    def carried(at: Array) -> Array:
-        away = at - foot[:, None]
-        share, across = away[2] / length, away * [[1.0], [1.0], [0.0]]
-        across = across + share * (twist @ across - across)
-        centre = foot[:, None] + _arc(tilt, share, length)
-        tilted = np.array([np.cos(tilt * share) * across[0], across[1], -np.sin(tilt * share) * across[0]])
-        return centre + tilted - at + share * travel[:, None]
-
-    front = foot + [0.0, 0.0, length]
-    gradient = _about_y(tilt) @ twist - np.eye(3)
-    shift = foot + _arc(tilt, np.ones(1), length)[:, 0] - front - gradient @ front + travel
-    back = Support(BACK, np.zeros((3, 3)), np.zeros(3), whole)
-    return PrescribedMotion(space, [back, Support(FRONT, gradient, shift, whole)], carried)
-
-
-def _arc(tilt: float, share: Array, length: float) -> Array:
-    """Return points at shares of a circular arc in the x-z plane that starts along z and ends tilted, shape (3, n)."""
-    # np.sinc(x) is sin(pi x) / (pi x): an arc without tilt is straight.
-    half = tilt * share / 2
-    chord = length * share * np.sinc(half / np.pi)
-    return np.array([chord * np.sin(half), np.zeros_like(share), chord * np.cos(half)])
-
-
-def _about_z(angle: float) -> Array:
-    cos, sin = np.cos(angle), np.sin(angle)
-    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
-
-
-def _about_y(angle: float) -> Array:
-    cos, sin = np.cos(angle), np.sin(angle)
-    return np.array([[cos, 0.0, sin], [0.0, 1.0, 0.0], [-sin, 0.0, cos]])
 
 
 def _vertices(space: DisplacementSpace, region: str) -> NDArray[np.int64]:

@@ -88,6 +88,10 @@ class PrescribedMotion:
         field = np.zeros(self.fixed.shape) if self._carried is None else load_factor * self._carried
         return self.imposed(field, load_factor)
 
+    def rate(self, load_factor: float) -> Array:
+        """Return the prescribed values' derivative by the load factor, shape (unknowns,); zero where nothing is."""
+        return np.where(self.fixed, self._final, 0.0).ravel()
+
     def resultant(self, force: Array, region: str) -> Array:
         """Return the sum of nodal forces over a region, shape (dimension,)."""
         unknowns = self._space.region_unknowns(region)

@@ -182,7 +182,7 @@ def measure(
         contact = contact + assembly.bonds.gradient(positions)
     # Supports carry what internal, contact, bond, load and tether forces leave.
     reaction = assembly.reactions(internal + contact - pushed - tether_force)
-    work_rate = float(reaction @ scene.motion.imposed(np.zeros_like(reaction), 1.0))
+    work_rate = float(reaction @ scene.motion.rate(load_factor))
     forces = contact_forces(assembly, state)
     plate_force = scene.motion.resultant(reaction, scene.moved)
     free = _held_by_nothing(assembly, scene, forces, tether_force) if assembly.contact is not None else ()

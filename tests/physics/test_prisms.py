@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial.distance import pdist
 from scipy.spatial.transform import Rotation
 
 from ngcell.simulation import Simulation
@@ -104,3 +105,25 @@ def test_ends_that_tilt_bend_the_axis_to_an_arc_of_its_own_length():
     expected = turned - Rotation.from_euler("zy", [30, 40], degrees=True).apply(axis) + centre[-1]
     np.testing.assert_allclose(moved[:, front].T, expected, atol=1e-12)
     assert np.isfinite(simulation.bulk.energy(simulation.motion.carried(1.0)))
+
+
+@pytest.mark.parametrize("turned", [{"twist": 90.0}, {"bend": 120.0}, {"twist": -40.0, "bend": 60.0}])
+def test_a_front_that_turns_keeps_its_size_on_the_way(turned):
+    """Angles grow with the load, not the displacement of each point, along whose chord the front would shrink."""
+    tissue = {"rows": 1, "cols": 1, "wall": 0.1, "height": 3.0}
+    simulation = Simulation(case(3.0, tissue=tissue, load={"kind": "ends", "levels": 1} | turned))
+    space, motion = simulation.space, simulation.motion
+    front = np.flatnonzero((space.one > 0) & (space.rest[2] == 3.0))
+    half, whole = (
+        space.rest[:, front] + motion.imposed(np.zeros(space.unknowns), factor).reshape(3, -1)[:, front]
+        for factor in (0.5, 1.0)
+    )
+    for moved in (half, whole):
+        np.testing.assert_allclose(pdist(moved.T), pdist(space.rest[:, front].T), rtol=1e-12)
+    tilt, twist = (np.radians(turned.get(name, 0.0)) for name in ("bend", "twist"))
+    across = space.rest[:2, front] - space.rest[:2, front].mean(1)[:, None]
+    for share, moved in ((0.5, half), (1.0, whole)):
+        expected = Rotation.from_euler("zy", [share * twist, share * tilt]).apply(np.vstack([across, 0 * across[:1]]).T)
+        np.testing.assert_allclose(moved.T - moved.mean(1), expected, atol=1e-12)
+    change = motion.imposed(np.zeros(space.unknowns), 0.51) - motion.imposed(np.zeros(space.unknowns), 0.49)
+    np.testing.assert_allclose(motion.rate(0.5), change / 0.02, atol=1e-3)
