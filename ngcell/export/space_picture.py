@@ -63,7 +63,10 @@ def space_plot(snapshot: Snapshot, *, title: str, certified: bool, clip: float |
     if largest > 0:
         opened = walls.threshold(_MARKED * largest, scalars="gap", method="upper")
         if opened.n_points:
-            plotter.add_mesh(opened, color="#d21f1f", opacity=0.55, show_scalar_bar=False)
+            drawn = plotter.add_mesh(opened, color="#d21f1f", opacity=0.55, show_scalar_bar=False)
+            # They lie on the surface of the bodies; drawn as if a little nearer, they are not hidden by it.
+            drawn.mapper.SetResolveCoincidentTopologyToPolygonOffset()
+            drawn.mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(-2.0, -2.0)
     moved = snapshot.plate_displacement
     place = f"plate displacement {moved:.4g}" if moved else f"load factor {snapshot.load_factor:.4g}"
     note = f"{place}; red: apart by more than {_MARKED * largest:.2g}"

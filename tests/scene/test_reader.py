@@ -43,6 +43,7 @@ BODIES = [
 ]
 TISSUES = [
     "bend-filled-3d",
+    "bend-layers-3d",
     "frame-shear",
     "shear-empty",
     "shear-empty-3d",
