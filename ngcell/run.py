@@ -18,7 +18,7 @@ from ngcell.clock import Clock
 from ngcell.contact.facing import count_corners
 from ngcell.errors import CaseError, NotConverged, OutputError
 from ngcell.export import Restart, ResultFolder, cannot_resume, read_restart, read_summary
-from ngcell.footprint import entry_count, foreseen_memory
+from ngcell.footprint import entry_count, foreseen_memory, solver_name
 from ngcell.observation import Step
 from ngcell.results.certificate import MEANING, worst
 from ngcell.results.growth import growth_onset
@@ -211,7 +211,7 @@ def inspect(case: AnyCase) -> dict[str, Any]:
     simulation = Simulation(case)
     gap = simulation.scene.facing.gaps(simulation.walls, simulation.walls.rest)
     assembly = simulation.released
-    entries = entry_count(assembly, simulation.longest_step)
+    entries, solver = entry_count(assembly, simulation.longest_step), solver_name(assembly)
     return {
         "bodies": simulation.bodies.body_count,
         "elements": int(simulation.bodies.mesh.ne),
@@ -226,7 +226,8 @@ def inspect(case: AnyCase) -> dict[str, Any]:
         "spring_stiffness": [float(f(assembly.contact.stiffness)) for f in (np.min, np.max)],
         "levels": list(case.level_factors),
         "matrix_entries": entries,
-        "memory_foreseen_gib": round(foreseen_memory(entries), 2),
+        "solver": solver,
+        "memory_foreseen_gib": round(foreseen_memory(entries, solver), 2),
     }
 
 

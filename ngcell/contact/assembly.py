@@ -123,6 +123,16 @@ class Assembly:
             np.logical_or.at(held, master, fixed.ravel())
             self.free = ~held & ~slave
 
+    @property
+    def dimension(self) -> int:
+        """Space dimension."""
+        return self.space.dimension
+
+    @property
+    def part(self) -> Index:
+        """Body of each unknown, shape (unknowns,)."""
+        return np.tile(self.space.body_of_unknown, self.space.dimension)
+
     @cached_property
     def mass(self) -> sparse.csr_array:
         """Mass matrix, shape (unknowns, unknowns); weighs displacements in the solver's tether."""

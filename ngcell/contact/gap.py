@@ -18,6 +18,8 @@ is a `Shape`; the rest is the same.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import reduce
+from operator import add
 from typing import Protocol
 
 import numpy as np
@@ -28,6 +30,9 @@ from ngcell.contact.search import Partners
 from ngcell.contact.walls import Walls
 
 Array = NDArray[np.float64]
+
+#: Partners in space whose parts of a tangent are held in memory at once.
+_AT_ONCE = 1000
 
 
 class Shape(Protocol):
@@ -134,8 +139,16 @@ class GapKinematics:
     def bending(self, positions: Array, pushes: Array) -> sparse.coo_array:
         """Return the part of the tangent that pushes along curved gaps [stress * length], shape (n,), leave."""
         closed = np.flatnonzero(pushes > 0)
-        blocks = -pushes[closed, None, None] * self.curvatures(positions, closed)
-        return self.assemble(blocks, closed, positions.shape[1])
+        if len(positions) == 2 or not len(closed):
+            return self._bent(positions, pushes, closed)
+        # Many points share the unknowns of a face: summed up part by part, what they leave takes little memory.
+        starts = range(0, len(closed), _AT_ONCE)
+        parts = (self._bent(positions, pushes, closed[first : first + _AT_ONCE]).tocsr() for first in starts)
+        return reduce(add, parts).tocoo()
+
+    def _bent(self, positions: Array, pushes: Array, chosen: NDArray[np.int64]) -> sparse.coo_array:
+        blocks = -pushes[chosen, None, None] * self.curvatures(positions, chosen)
+        return self.assemble(blocks, chosen, positions.shape[1])
 
     def jacobian(self, slopes: Array, columns: int) -> sparse.csr_array:
         """Return the derivatives of all gaps by the unknowns, from `slopes`; shape (n, d columns)."""

@@ -8,6 +8,8 @@ does not tell a matrix that is not positive definite: the caller judges directio
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import ngsolve
 import ngsolve.la
 import numpy as np
@@ -40,24 +42,28 @@ class SymmetricMatrix:
         keys = np.sort(rows * size + columns)
         self._keys = keys[np.diff(keys, prepend=-1) > 0]
         row, column = np.divmod(self._keys, size)
-        self._matrix = ngsolve.la.SparseMatrixd.CreateFromCOO(
-            row.astype(np.int32), column.astype(np.int32), np.zeros(len(row)), size, size
-        )
-        self._values = np.asarray(self._matrix.CSR()[0])
         pointer = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=size))])
         self._lower = sparse.csr_array((np.zeros(len(row)), column, pointer), shape=(size, size))
         self._upper = self._lower.T  # shares the values
         self._diagonal = np.flatnonzero(row == column)
         self._diagonal_rows = row[self._diagonal]
-        self._free = ngsolve.BitArray(free.tolist())
-        self._inverse: ngsolve.BaseMatrix | None = None
-        self._right = self._matrix.CreateColVector()
-        self._left = self._matrix.CreateColVector()
+        self._free = free
 
     @property
     def entry_count(self) -> int:
         """Number of entries of the pattern."""
         return len(self._keys)
+
+    @property
+    def lower_pattern(self) -> sparse.csr_array:
+        """The pattern, shape (size, size); its data are the positions of entries in the array of values."""
+        lower = self._lower
+        return sparse.csr_array((np.arange(self.entry_count), lower.indices, lower.indptr), shape=lower.shape)
+
+    @cached_property
+    def _factor(self) -> Factor:
+        """Made when it is needed for the first time."""
+        return Factor(self._lower, self._free)
 
     def locate(self, rows: Index, columns: Index) -> Index:
         """Return the positions of entries in the array of values.
@@ -67,16 +73,17 @@ class SymmetricMatrix:
         PatternError
             If an entry is not part of the pattern.
         """
-        position, is_there = self._find(rows, columns)
+        position, is_there = self.find(rows, columns)
         if not is_there.all():
             raise PatternError
         return position
 
     def has_room(self, rows: Index, columns: Index) -> bool:
         """Tell whether all these entries are part of the pattern."""
-        return bool(self._find(rows, columns)[1].all())
+        return bool(self.find(rows, columns)[1].all())
 
-    def _find(self, rows: Index, columns: Index) -> tuple[Index, NDArray[np.bool_]]:
+    def find(self, rows: Index, columns: Index) -> tuple[Index, NDArray[np.bool_]]:
+        """Return the positions of entries, and whether they are part of the pattern."""
         wanted = rows * self.size + columns
         position = np.minimum(np.searchsorted(self._keys, wanted), len(self._keys) - 1)
         return position, self._keys[position] == wanted
@@ -99,6 +106,53 @@ class SymmetricMatrix:
 
     def factorise(self, values: Array) -> None:
         """Factorise the matrix with these values."""
+        self._factor.update(values)
+
+    def solve(self, right: Array) -> Array:
+        """Return the solution of the factorised system; 0 in rows that are not free."""
+        return self._factor.solve(right)
+
+    def multiply(self, values: Array, vector: Array) -> Array:
+        """Return the product of the symmetric matrix with these values and a vector."""
+        self.load(values)
+        return self.product(vector)
+
+    def load(self, values: Array) -> None:
+        """Let `product` be that with these values."""
+        self._lower.data[:] = values
+
+    def product(self, vector: Array) -> Array:
+        """Return the product of the symmetric matrix with the values last loaded and a vector."""
+        product = self._lower @ vector + self._upper @ vector
+        product[self._diagonal_rows] -= self._lower.data[self._diagonal] * vector[self._diagonal_rows]
+        return np.asarray(product)
+
+
+class Factor:
+    """NGSolve's matrix and its Cholesky factor.
+
+    Parameters
+    ----------
+    lower : csr_array
+        The pattern of the lower triangle.
+    free : array of bool, shape (size,)
+        Rows that are solved for.
+    """
+
+    def __init__(self, lower: sparse.csr_array, free: NDArray[np.bool_]) -> None:
+        size = len(free)
+        row = np.repeat(np.arange(size, dtype=np.int32), np.diff(lower.indptr))
+        self._matrix = ngsolve.la.SparseMatrixd.CreateFromCOO(
+            row, lower.indices.astype(np.int32), np.zeros(len(row)), size, size
+        )
+        self._values = np.asarray(self._matrix.CSR()[0])
+        self._free = ngsolve.BitArray(free.tolist())
+        self._inverse: ngsolve.BaseMatrix | None = None
+        self._right = self._matrix.CreateColVector()
+        self._left = self._matrix.CreateColVector()
+
+    def update(self, values: Array) -> None:
+        """Factorise the matrix with these values."""
         self._values[:] = values
         if self._inverse is None:
             self._inverse = self._matrix.Inverse(self._free, "sparsecholesky")
@@ -106,14 +160,7 @@ class SymmetricMatrix:
             self._inverse.Update()
 
     def solve(self, right: Array) -> Array:
-        """Return the solution of the factorised system; 0 in rows that are not free."""
+        """Return the solution; 0 in rows that are not free."""
         self._right.FV().NumPy()[:] = right
         self._inverse.Mult(self._right, self._left)
         return self._left.FV().NumPy().copy()
-
-    def multiply(self, values: Array, vector: Array) -> Array:
-        """Return the product of the symmetric matrix with these values and a vector."""
-        self._lower.data[:] = values
-        product = self._lower @ vector + self._upper @ vector
-        product[self._diagonal_rows] -= values[self._diagonal] * vector[self._diagonal_rows]
-        return np.asarray(product)

@@ -21,9 +21,10 @@ from ngcell.solve.effort import Effort
 from ngcell.solve.linear import SymmetricMatrix
 from ngcell.solve.minimum import Ending, Minimum, Tether
 from ngcell.solve.problem import Linearisation, Problem, State
-from ngcell.solve.springs import SpringModel, minimum_of_springs
+from ngcell.solve.springs import Matrix, SpringModel, minimum_of_springs
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 #: Share of the foreseen decrease below which a step is refused, and above which the shift falls.
 POOR, FAIR = 1e-4, 0.25
@@ -45,6 +46,13 @@ MOST_REFUSALS = 25
 #: Room for contacts to come, in longest steps: what a matrix must have, and what a new one gets. It fills the matrix
 #: little, and a new one costs as much as ten factorisations.
 MARGIN, WIDE_MARGIN = 2.0, 4.0
+#: Most unknowns in space that are solved for by a direct solver; in the plane all are.
+MOST_DIRECT = 200_000
+
+
+def is_iterative(problem: Problem) -> bool:
+    """Return whether the systems of a problem are solved by iterations, and not factorised in one piece."""
+    return len(problem.free) > MOST_DIRECT and problem.dimension == 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +89,7 @@ class Minimiser:
     most_iterations: int = 200
     clock: Clock = field(default_factory=Clock)
     effort: Effort = field(default_factory=Effort)
-    _matrix: SymmetricMatrix | None = None
+    _matrix: Matrix | None = None
     _near_at: Array | None = None
 
     def minimise(self, start: Array, tether: Tether, tolerance: float = 0.0) -> Minimum:
@@ -254,6 +262,10 @@ class Minimiser:
 
     def _make_room(self, state: State) -> None:
         """Make a matrix, or a new one when walls that may have come into reach have no room in it."""
+        if is_iterative(self.problem):
+            if self._matrix is None:
+                self._make_matrix(None)
+            return
         margin = MARGIN * self.longest_step
         if self._matrix is not None and self._is_near(state, margin):
             return
@@ -263,11 +275,22 @@ class Minimiser:
             return
         self.effort.patterns += 1
         near = self.problem.couplings(state, WIDE_MARGIN * self.longest_step)
+        self._make_matrix(near)
+
+    def _make_matrix(self, near: tuple[Index, Index] | None) -> None:
+        """Make a matrix with room for these entries, or one that needs none."""
         bulk, mass = self.problem.pattern, self.problem.mass.tocoo()
         lower = mass.coords[0] >= mass.coords[1]
         mass_entries = tuple(index[lower].astype(np.int64) for index in mass.coords)
-        rows, columns = (np.concatenate(part) for part in zip(bulk, mass_entries, near, strict=True))
-        self._matrix = SymmetricMatrix(len(self.problem.free), self.problem.free, rows, columns)
+        parts = (bulk, mass_entries) if near is None else (bulk, mass_entries, near)
+        rows, columns = (np.concatenate(part) for part in zip(*parts, strict=True))
+        size, free = len(self.problem.free), self.problem.free
+        if near is None:
+            from ngcell.solve.iterative import IterativeMatrix
+
+            self._matrix = IterativeMatrix(size, free, rows, columns, self.problem.part)
+        else:
+            self._matrix = SymmetricMatrix(size, free, rows, columns)
         self._bulk = self._matrix.locate(*bulk)
         self._mass = self._matrix.locate(*mass_entries)
         self._mass_values = mass.data[lower]

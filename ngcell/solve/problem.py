@@ -42,6 +42,14 @@ class Problem(Protocol):
     free: NDArray[np.bool_]
 
     @property
+    def dimension(self) -> int:
+        """Space dimension."""
+
+    @property
+    def part(self) -> Index:
+        """Body of each unknown: what unknowns of different bodies have in common are springs and ties only."""
+
+    @property
     def mass(self) -> sparse.csr_array:
         """Weight of displacements, shape (unknowns, unknowns)."""
 

@@ -9,19 +9,48 @@ walls changes inside the model, at the price of a factorisation and without eval
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ngcell.solve.linear import SymmetricMatrix
-
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 #: Inner iterations; stopping early costs nothing but a less good step, which the outer iteration judges.
 MOST_ROUNDS = 8
 #: The inner iteration ends when it gains less than this share of the decrease so far.
 WORTHWHILE_GAIN = 0.02
+
+
+class Matrix(Protocol):
+    """A symmetric matrix with a lasting pattern, and a solver for it; `add_springs` makes what `factorise` takes."""
+
+    @property
+    def entry_count(self) -> int:
+        """Number of entries of the pattern."""
+
+    def locate(self, rows: Index, columns: Index) -> Index:
+        """Return the positions of entries in the array of values."""
+
+    def has_room(self, rows: Index, columns: Index) -> bool:
+        """Tell whether all these entries are part of the pattern, or need not be."""
+
+    def add(self, values: Array, matrix: sparse.sparray) -> Array:
+        """Return `values` plus the lower triangle of a sparse matrix."""
+
+    def add_springs(self, values: Array, jacobian: sparse.csr_array, spring: Array) -> Any:
+        """Return `values` plus ``jacobian.T @ diag(spring) @ jacobian``."""
+
+    def factorise(self, values: Any) -> None:
+        """Prepare to solve systems with this matrix."""
+
+    def solve(self, right: Array) -> Array:
+        """Return the solution; 0 in rows that are not free."""
+
+    def multiply(self, values: Any, vector: Array) -> Array:
+        """Return the product of the symmetric matrix with these values and a vector."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +85,7 @@ class SpringModel:
         """Return the energy that the springs store at these gaps."""
         return 0.5 * float((self.spring * np.minimum(gap, 0) ** 2).sum())
 
-    def change(self, matrix: SymmetricMatrix, step: Array) -> float:
+    def change(self, matrix: Matrix, step: Array) -> float:
         """Return ``m(step) - m(0)``."""
         moved = self.jacobian @ step
         before, after = np.minimum(self.gap, 0), np.minimum(self.gap + moved, 0)
@@ -68,7 +97,7 @@ class SpringModel:
         return float(self.full_gradient() @ step + curved + springs)
 
 
-def minimum_of_springs(model: SpringModel, matrix: SymmetricMatrix) -> tuple[Array, float, int]:
+def minimum_of_springs(model: SpringModel, matrix: Matrix) -> tuple[Array, float, int]:
     """Return a step that nearly minimises the model, the change of the model, and the number of factorisations.
 
     The change is not negative if the matrix is not positive definite along the way.
@@ -91,7 +120,7 @@ def minimum_of_springs(model: SpringModel, matrix: SymmetricMatrix) -> tuple[Arr
     return step, change, rounds
 
 
-def _newton_target(model: SpringModel, matrix: SymmetricMatrix, closed: NDArray[np.int64]) -> Array:
+def _newton_target(model: SpringModel, matrix: Matrix, closed: NDArray[np.int64]) -> Array:
     """Return the minimum of the quadratic in which just these springs act."""
     jacobian, spring = model.jacobian[closed], model.spring[closed]
     matrix.factorise(matrix.add_springs(model.stiffness, jacobian, spring))
@@ -99,7 +128,7 @@ def _newton_target(model: SpringModel, matrix: SymmetricMatrix, closed: NDArray[
 
 
 def _exact_search(
-    model: SpringModel, matrix: SymmetricMatrix, step: Array, gap: Array, towards: Array, moved: Array
+    model: SpringModel, matrix: Matrix, step: Array, gap: Array, towards: Array, moved: Array
 ) -> float:
     """Return the fraction in (0, 1] of the way at which the model is smallest."""
     curved = matrix.multiply(model.stiffness, towards)

@@ -8,6 +8,7 @@ import pytest
 from ngcell.footprint import entry_count, foreseen_memory
 from ngcell.run import inspect
 from ngcell.simulation import Simulation
+from ngcell.solve import minimise
 from tests.prisms import case
 
 
@@ -22,6 +23,20 @@ def test_entries_are_those_of_the_matrix_that_a_release_makes(height):
     told = inspect(scene)
     assert told["matrix_entries"] == entries
     assert told["memory_foreseen_gib"] == pytest.approx(foreseen_memory(entries), abs=0.005)
+
+
+def test_matrices_of_the_iterative_solver_have_room_for_no_contact(monkeypatch):
+    monkeypatch.setattr(minimise, "MOST_DIRECT", 0)
+    simulation = Simulation(case(0.4))
+    minimiser = simulation._released().minimisers[0]
+    minimiser._make_room(minimiser.problem.at(np.zeros(simulation.space.unknowns)))
+    entries = entry_count(simulation.released, simulation.longest_step)
+    assert entries == minimiser._matrix.entry_count
+    told = inspect(case(0.4))
+    assert told["solver"] == "iterative" and told["matrix_entries"] == entries
+    monkeypatch.undo()
+    told = inspect(case(0.4))
+    assert told["solver"] == "direct" and told["matrix_entries"] > entries
 
 
 def test_a_tissue_of_63_000_unknowns_takes_what_was_measured():

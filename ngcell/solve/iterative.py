@@ -1,0 +1,257 @@
+"""Preconditioned conjugate gradients for scenes too large to factorise in one piece.
+
+Bodies are the natural subdomains: what couples them are closed walls only. So the preconditioner factorises each body
+by itself, tether and its side of the closed springs included (additive Schwarz; Smith, Bjorstad & Gropp, Domain
+decomposition, 1996), and the springs' other side, which no pattern has room for, acts through their derivatives. A
+body among closed springs is held by them, so no coarse space is needed: rigid or affine modes of the cells spare no
+iteration on tissues in contact. In one compact solid bodies share unknowns: there each subdomain takes two layers of
+unknowns of its neighbours along, without which ten times as many iterations are needed.
+
+Directions of negative curvature, met by the gradients or in a body, are told as a direct solver tells them to the
+minimiser: by a step that leads uphill.
+"""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from ngcell.solve.linear import Factor, SymmetricMatrix
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+_log = logging.getLogger(__name__)
+
+#: Share of the first residual, in the norm of the preconditioner, at which a solution is good enough for a Newton step:
+#: the decrement that it leaves is a share of about 1e-8 of that before.
+RESIDUAL, MOST_ITERATIONS = 1e-4, 2000
+#: Layers of neighbours' unknowns in a subdomain, where bodies share unknowns.
+LAYERS = 2
+#: Springs whose products are held in memory at once.
+SPRINGS_AT_ONCE = 1000
+_NO_SPRINGS = sparse.csr_array((0, 0))
+
+
+@dataclass(frozen=True, eq=False)
+class Sprung:
+    """A matrix with springs.
+
+    Attributes
+    ----------
+    values : array of float
+        The matrix without springs.
+    blocks : array of float
+        The matrix with what springs add within bodies.
+    jacobian, spring : csr_array, array
+        The springs.
+    """
+
+    values: Array
+    blocks: Array
+    jacobian: sparse.csr_array
+    spring: Array
+
+
+class IterativeMatrix:
+    """A symmetric matrix whose systems are solved body by body, and by conjugate gradients between them.
+
+    It does all that a `SymmetricMatrix` does, but couplings between bodies need no room in the pattern: their values
+    follow those of the pattern.
+
+    Parameters
+    ----------
+    size : int
+        Number of rows.
+    free : array of bool, shape (size,)
+        Rows that are solved for.
+    rows, columns : array of int
+        Entries of the lower triangle, repetitions allowed.
+    part : array of int, shape (size,)
+        Body of each row.
+    """
+
+    def __init__(self, size: int, free: NDArray[np.bool_], rows: Index, columns: Index, part: Index) -> None:
+        self._whole = SymmetricMatrix(size, free, rows, columns)
+        self._free, self._part = free, part
+        self._beyond: tuple[Index, Index] = (np.zeros(0, dtype=np.int64),) * 2
+        self._subdomains = _subdomains(self._whole.lower_pattern, free, part)
+        self._sprung: Sprung | None = None
+        self.iterations = 0
+
+    @property
+    def size(self) -> int:
+        """Number of rows."""
+        return self._whole.size
+
+    @property
+    def entry_count(self) -> int:
+        """Number of entries of the pattern."""
+        return self._whole.entry_count
+
+    def locate(self, rows: Index, columns: Index) -> Index:
+        """Return the positions of entries of the pattern in the array of values."""
+        return self._whole.locate(rows, columns)
+
+    def has_room(self, rows: Index, columns: Index) -> bool:
+        """Tell that nothing needs room."""
+        return True
+
+    def add(self, values: Array, matrix: sparse.sparray) -> Array:
+        """Return `values` plus the lower triangle of a sparse matrix; what the pattern has no room for comes last."""
+        row, column, data = _lower(matrix)
+        position, is_there = self._whole.find(row, column)
+        assert is_there[row == column].all()  # the rest, off the diagonal, counts for both triangles
+        summed = values[: self.entry_count] + np.bincount(position[is_there], data[is_there], self.entry_count)
+        self._beyond = row[~is_there], column[~is_there]
+        return np.concatenate([summed, data[~is_there]])
+
+    def add_springs(self, values: Array, jacobian: sparse.csr_array, spring: Array) -> Sprung:
+        """Return the matrix plus ``jacobian.T @ diag(spring) @ jacobian``."""
+        blocks = values[: self.entry_count].copy()
+        for first in range(0, len(spring), SPRINGS_AT_ONCE):
+            some = slice(first, first + SPRINGS_AT_ONCE)
+            pulled = jacobian[some].copy()
+            pulled.data *= np.repeat(spring[some], np.diff(pulled.indptr))
+            row, column, data = _lower(jacobian[some].T @ pulled)
+            mine = self._part[row] == self._part[column]
+            row, column, data = row[mine], column[mine], data[mine]
+            position, is_there = self._whole.find(row, column)
+            blocks[position[is_there]] += data[is_there]
+            # What has no room, as where one spring pulls at many faces, counts on the diagonal: blocks stay definite.
+            row, column, weight = row[~is_there], column[~is_there], np.abs(data[~is_there])
+            for end in (row, column):
+                np.add.at(blocks, self._whole.locate(end, end), weight)
+        return Sprung(values, blocks, jacobian, spring)
+
+    def factorise(self, sprung: Sprung) -> None:
+        """Factorise all bodies."""
+        self._sprung = sprung
+        for subdomain in self._subdomains:
+            subdomain.factorise(sprung.blocks)
+
+    def multiply(self, values: Array | Sprung, vector: Array) -> Array:
+        """Return the product of the symmetric matrix with these values and a vector."""
+        sprung = values if isinstance(values, Sprung) else Sprung(values, values, _NO_SPRINGS, np.zeros(0))
+        self._whole.load(sprung.values[: self.entry_count])
+        return self._product(sprung, vector)
+
+    def solve(self, right: Array) -> Array:
+        """Return the solution of the system, or a multiple of a direction of negative curvature; 0 in rows not free.
+
+        With the curvature ``c = d K d < 0`` of a direction d, that is ``(right d / c) d``.
+        """
+        assert self._sprung is not None
+        self._whole.load(self._sprung.values[: self.entry_count])
+        right = np.where(self._free, right, 0.0)
+        solution, residual = np.zeros_like(right), right
+        step, before, enough = np.zeros_like(right), 1.0, None
+        for _ in range(MOST_ITERATIONS):
+            towards, concave = self._preconditioned(residual)
+            if concave is not None:
+                return self._uphill(right, concave)
+            slope = float(residual @ towards)
+            enough = RESIDUAL**2 * slope if enough is None else enough
+            if slope <= enough:
+                break
+            self.iterations += 1
+            step = towards + slope / before * step if step.any() else towards
+            before = slope
+            stretched = np.where(self._free, self._product(self._sprung, step), 0.0)
+            curvature = float(step @ stretched)
+            if curvature <= 0:
+                return self._uphill(right, step)
+            solution = solution + slope / curvature * step
+            residual = residual - slope / curvature * stretched
+        else:
+            _log.info("conjugate gradients stopped at a residual of %.1e", np.sqrt(slope / (enough / RESIDUAL**2)))
+        return solution
+
+    def _product(self, sprung: Sprung, vector: Array) -> Array:
+        """Return the product with a matrix that has been loaded."""
+        product, beyond = self._whole.product(vector), sprung.values[self.entry_count :]
+        if len(beyond):
+            row, column = self._beyond
+            product += np.bincount(row, beyond * vector[column], self.size)
+            product += np.bincount(column, beyond * vector[row], self.size)
+        if len(sprung.spring):
+            product += sprung.jacobian.T @ (sprung.spring * (sprung.jacobian @ vector))
+        return product
+
+    def _preconditioned(self, residual: Array) -> tuple[Array, Array | None]:
+        """Return the sum of the solutions on all subdomains, and one with negative curvature, if there is any."""
+        towards = np.zeros_like(residual)
+        for subdomain in self._subdomains:
+            mine = residual[subdomain.rows]
+            part = subdomain.solve(mine)
+            if float(mine @ part) < 0:
+                concave = np.zeros_like(residual)
+                concave[subdomain.rows] = part
+                return towards, concave
+            towards[subdomain.rows] += part
+        return towards, None
+
+    def _uphill(self, right: Array, direction: Array) -> Array:
+        _log.info("negative curvature")
+        assert self._sprung is not None
+        curvature = float(direction @ self._product(self._sprung, direction))
+        return float(right @ direction) / curvature * direction
+
+
+class _Subdomain:
+    """Rows of a body, and the matrix on them.
+
+    Parameters
+    ----------
+    pattern : csr_array
+        Lower triangle; its data are positions in the array of values.
+    rows : array of int
+        The rows, increasing.
+    """
+
+    def __init__(self, pattern: sparse.csr_array, rows: Index) -> None:
+        self.rows = rows
+        number = np.full(pattern.shape[0], -1)
+        number[rows] = np.arange(len(rows))
+        mine = pattern[rows]
+        row, column = np.repeat(np.arange(len(rows)), np.diff(mine.indptr)), number[mine.indices]
+        kept = column >= 0
+        row, column, self._position = row[kept], column[kept], mine.data[kept]
+        pointer = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=len(rows)))])
+        lower = sparse.csr_array((np.zeros(len(row)), column, pointer), shape=(len(rows),) * 2)
+        self._factor = Factor(lower, np.ones(len(rows), dtype=bool))
+
+    def factorise(self, values: Array) -> None:
+        """Factorise the part of a matrix with these values."""
+        self._factor.update(values[self._position])
+
+    def solve(self, right: Array) -> Array:
+        """Return the solution on this subdomain."""
+        return self._factor.solve(right)
+
+
+def _subdomains(pattern: sparse.csr_array, free: NDArray[np.bool_], part: Index) -> list[_Subdomain]:
+    """Return the subdomains: free rows of each body, with neighbours where the pattern couples bodies."""
+    row = np.repeat(np.arange(len(part)), np.diff(pattern.indptr))
+    coupled = part[row] != part[pattern.indices]
+    member = [part == number for number in range(int(part.max()) + 1)]
+    if coupled.any():
+        ones = sparse.csr_array((np.ones(len(row)), pattern.indices, pattern.indptr), shape=pattern.shape)
+        for mask in member:
+            for _ in range(LAYERS):
+                reached = mask.astype(float)
+                mask |= (ones @ reached + ones.T @ reached) > 0
+    rows = (np.flatnonzero(mask & free) for mask in member)
+    return [_Subdomain(pattern, mine) for mine in rows if len(mine)]
+
+
+def _lower(matrix: sparse.sparray) -> tuple[Index, Index, Array]:
+    """Return rows, columns and values of the lower triangle."""
+    part = matrix.tocoo()
+    row, column = (index.astype(np.int64) for index in part.coords)
+    lower = row >= column
+    return row[lower], column[lower], part.data[lower]
