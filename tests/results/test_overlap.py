@@ -13,8 +13,11 @@ from ngcell.contact.walls import Walls, find_walls
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.lattice import Lattice, hexagonal_lattice
 from ngcell.geometry.rings import ring_mesh
+from ngcell.geometry.shapes import mesh_shapes
 from ngcell.mechanics.space import DisplacementSpace
+from ngcell.results import space_overlap
 from ngcell.results.overlap import deepest_overlap
+from ngcell.results.space_overlap import deepest_overlap_of_solids
 
 ORDERS = (1, 2, 3, 4)
 APOTHEM = np.sqrt(3) / 2
@@ -140,3 +143,19 @@ def test_a_hundred_cells_take_a_fraction_of_a_second():
     start = process_time()
     deepest_overlap(walls, nodes)
     assert process_time() - start < 0.5  # usually below 0.1; slow machines pass as well
+
+
+def test_depths_in_curved_solids_are_those_of_their_surfaces(monkeypatch):
+    """Two balls of radius 1 whose centres are 1.9 apart; polyhedra of large faces would lie inside them."""
+    balls = [occ.Sphere((1.9 * number, 0, 0), 1) for number in range(2)]
+    bodies = mesh_shapes(balls, ["one", "two"], order=3, size=0.8)
+    space = DisplacementSpace(bodies, 3)
+    walls = find_walls(bodies, space.scalar, space.rest)
+    xi = np.concatenate([walls.stations, walls.basis.nodes])
+    point = walls.basis.values(xi) @ walls.nodes(space.rest)
+    centre = np.where(walls.body == 0, 1.9, 0.0)[:, None, None] * [1.0, 0.0, 0.0]
+    exact = 1 - np.linalg.norm(point - centre, axis=2).min()
+    fine = deepest_overlap_of_solids(space, walls, space.rest)
+    monkeypatch.setattr(space_overlap, "_FINE_PIECES", space_overlap._PIECES)
+    coarse = deepest_overlap_of_solids(space, walls, space.rest)
+    assert abs(fine - exact) < 1e-3 < abs(coarse - exact)
