@@ -13,10 +13,16 @@ _GRADED = (
     "Springs all over a body are as stiff as its thinnest layer of elements, here a thousandth of the others; they "
     "open and close without end."
 )
+_SNAPS = (
+    "Walls of prisms that are bent or pressed this far buckle as the tether falls, and a snap takes more than the 200 "
+    "iterations that a minimisation has; with 600, bending ends at the next snap but one."
+)
 
 CAUSES: dict[str, str] = {
     "cell pressure: held tissue": _BETWEEN,
     "compression: 0.5 frame": _CORNER,
     "compression: 0.5 plates": _BUCKLED,
     "mesh: graded to 0.001": _GRADED,
+    "prisms: bend 90": _SNAPS,
+    "prisms: axis stretched by -0.3": _SNAPS,
 }
