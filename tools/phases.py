@@ -40,7 +40,7 @@ def draw(summary: dict[str, Any], file: Path) -> None:
     axes.set(xlabel="processor seconds", xlim=(0, 1.2 * max(values)))
     axes.spines[["top", "right"]].set_visible(False)
     axes.set_title(
-        f"{summary['title']}: {summary['unknowns']:,} unknowns, {summary['iterations']} iterations, "
+        f"{summary['title']}\n{summary['unknowns']:,} unknowns, {summary['iterations']} iterations, "
         f"{summary['factorisations']} factorisations,\n"
         f"{seconds['on_the_clock'] / 60:.1f} min on the clock; {summary['outcome']}",
         fontsize=10,
