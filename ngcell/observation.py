@@ -171,7 +171,7 @@ class Observer:
         )
 
     def _measure(self, accepted: Accepted, assembly: Assembly, before: WorkPoint | None) -> Measurement:
-        state, tether = accepted.minimum.state, accepted.tether
+        state, tether = accepted.minimum.state, accepted.minimum.tether
         force = tether.strength * (assembly.mass @ (tether.anchor - state.displacement))
         # The solver's energy holds potentials of loads and fluids; what is reported as energy is what is stored.
         state = replace(state, energy=state.energy - assembly.potential(state.displacement))

@@ -133,39 +133,38 @@ class ForwardWalk:
                     self._released.apart.effort.cutbacks += 1
                     goal = place.load + copysign(increment, way)
                     tried = self._tried(place, goal, is_shortest=increment < shortest)
-                place, tether, account = tried
+                place, account = tried
                 self._released.history.advance(place.minimum.state.displacement)
                 increment *= 2 if account.mismatch_share < LONGER else 1
                 account = replace(account, increment=increment, targets=number + (goal == target))
-                yield Accepted("contact", goal, place.minimum, tether, self._released.effort - before, account)
+                yield Accepted("contact", goal, place.minimum, self._released.effort - before, account)
 
-    def _tried(self, place: _Place, goal: float, *, is_shortest: bool) -> tuple[_Place, Tether, Account] | None:
+    def _tried(self, place: _Place, goal: float, *, is_shortest: bool) -> tuple[_Place, Account] | None:
         """Return where a step leads, or None if it is too long."""
         start = self._stand(place.minimum.state, place.load)
         towards = self._followed(start.state.displacement, goal)
         self._apply(goal)
         moved = self._stand(self._problem.at(towards), goal)
         if np.isfinite(moved.state.energy):
-            minimum, tether = self._fallen(towards)
+            minimum = self._fallen(towards)
             least = 0.0 if is_shortest else SNAPPED
             lost, mismatch, share = self._balance(start, moved, self._stand(minimum.state, goal), least)
             _log.info("step to %.6g: %s, mismatch %.1e, lost %.1e", goal, minimum.ending.value, share, lost)
             if minimum.is_found and share <= MISMATCH:
                 account = Account(place.dissipation + lost, mismatch, share)
-                return _Place(goal, minimum, account.dissipation), tether, account
+                return _Place(goal, minimum, account.dissipation), account
         self._apply(place.load)
         return None
 
-    def _fallen(self, start: Array) -> tuple[Minimum, Tether]:
-        """Return the minimum below a place, and the tether that is left: it follows where bodies went far."""
+    def _fallen(self, start: Array) -> Minimum:
+        """Return the minimum below a place; its tether follows where bodies went far."""
         while True:
-            tether = self._released.path.last_tether(start)
-            minimum = self._minimiser.minimise(start, tether)
+            minimum = self._minimiser.minimise(start, self._released.path.last_tether(start))
             if not minimum.is_found:
-                return minimum, tether
+                return minimum
             fallen = float(np.abs(minimum.state.displacement - start).max())
             if fallen <= self._minimiser.longest_step:
-                return minimum, tether
+                return minimum
             start = minimum.state.displacement
 
     def _balance(self, start: _Stand, moved: _Stand, end: _Stand, least: float) -> tuple[float, float, float]:

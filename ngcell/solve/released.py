@@ -81,7 +81,7 @@ class Released:
             minimum = self.minimisers[-1].minimise(minimum.state.displacement, minimum.tether)
         if not minimum.is_found:
             raise StepFailed(Outcome.RELEASE_FAILED, load)
-        return Accepted("contact", load, minimum, minimum.tether, self.effort - before)
+        return Accepted("contact", load, minimum, self.effort - before)
 
     def _alone(self, start: Array, tether: Tether) -> Minimum | None:
         """Return the minimum of a body that is alone; None if there are more, or if none was found."""

@@ -116,7 +116,7 @@ def _compact_step(
         if minimum.is_found:
             displacement, reached = minimum.state.displacement, goal
             if reached == target:
-                return Accepted("compact", target, minimum, tether, spent(compact) - before)
+                return Accepted("compact", target, minimum, spent(compact) - before)
             continue
         increment, halvings = increment / 2, halvings + 1
         compact[-1].effort.cutbacks += 1

@@ -66,4 +66,4 @@ def _incremental_step(
             continue
         displacement, reached = step.minimum.state.displacement, goal
         if reached == target:
-            return Accepted("contact", target, step.minimum, step.tether, released.effort - before)
+            return Accepted("contact", target, step.minimum, released.effort - before)

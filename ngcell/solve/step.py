@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ngcell.solve.effort import Effort
 from ngcell.solve.minimise import Minimiser
-from ngcell.solve.minimum import Minimum, Tether
+from ngcell.solve.minimum import Minimum
 from ngcell.solve.outcome import Outcome
 
 Array = NDArray[np.float64]
@@ -95,9 +95,7 @@ class Accepted:
     load_factor : float
         In [0, 1].
     minimum : Minimum
-        The state and how it was reached.
-    tether : Tether
-        What still pulls at it.
+        The state, how it was reached, and what still pulls at it.
     effort : Effort
         What it took, failures included.
     account : Account, optional
@@ -107,7 +105,6 @@ class Accepted:
     phase: str
     load_factor: float
     minimum: Minimum
-    tether: Tether
     effort: Effort
     account: Account | None = None
 

@@ -8,8 +8,9 @@ from scipy.integrate import quad
 
 from ngcell.contact.assembly import Assembly
 from ngcell.contact.cohesion import Bonds, ExponentialLaw, bond_walls
+from tests.contact.derivatives import assert_derivatives, smooth_step
 from tests.contact.stacks import blocks
-from tests.tissues import SmallTissue, dense_stiffness, rotation, small_tissue
+from tests.tissues import SmallTissue, rotation, small_tissue
 
 STRENGTH, ENERGY = 0.3, 0.02
 LAW = ExponentialLaw(STRENGTH, ENERGY)
@@ -48,30 +49,8 @@ def test_forces_and_tangent_are_derivatives_of_one_energy(order, depth, slip, be
     bonds.largest = before * np.median(bonds.openings(tissue.positions(at))) * np.ones_like(bonds.largest)
     heights = bonds.kinematics.gaps(tissue.positions(at))
     assert (heights > 0).any() if depth < 0 else (heights < 0).any()
-    state, way = problem.at(at), tissue.smooth(1.0, 8)
-    step = smooth_step(tissue, problem, bonds, at, way)
-    after, before_ = problem.at(at + step * way), problem.at(at - step * way)
-    force = problem.gradient(state)
-    assert (after.energy - before_.energy) / (2 * step) == pytest.approx(force @ way, rel=2e-7)
-    bent = dense_stiffness(problem, problem.linearise(state)) @ way
-    change = (problem.gradient(after) - problem.gradient(before_)) / (2 * step)
-    np.testing.assert_allclose(change, bent, atol=2e-6 * np.abs(bent).max())
-
-
-def smooth_step(tissue: SmallTissue, problem: Assembly, bonds: Bonds, at: np.ndarray, way: np.ndarray) -> float:
-    """A step on which no wall closes, no bond turns from pressed to open, and none passes its history."""
-
-    def sides(displacement: np.ndarray) -> np.ndarray:
-        positions = tissue.positions(displacement)
-        gap, _, _ = problem.at(at).contact.springs(positions)
-        opening, height = bonds.openings(positions), bonds.kinematics.gaps(positions)
-        return np.concatenate([gap > 0, height > 0, opening > bonds.largest])
-
-    step = 1e-5
-    while not all(np.array_equal(sides(at), sides(at + sign * step * way)) for sign in (-1, 1)):
-        step /= 2
-        assert step > 1e-8
-    return step
+    way = tissue.smooth(1.0, 8)
+    assert_derivatives(problem, at, way, smooth_step(problem, bonds, at, way), rel=2e-7)
 
 
 def test_rest_has_no_force_and_the_stiffness_of_whole_bonds():

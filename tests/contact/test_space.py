@@ -15,8 +15,8 @@ from ngcell.geometry.near import near_pairs
 from ngcell.geometry.prisms import prism_mesh
 from ngcell.geometry.rings import ring_section
 from ngcell.mechanics.space import DisplacementSpace
+from tests.contact.derivatives import assert_derivatives, step_between_kinks
 from tests.contact.solids import Pair, balls, blocks, straddling
-from tests.tissues import dense_stiffness
 
 SECTION = {"wall": 0.2, "radius": 0.0, "edges": 1, "layers": 1, "supports": {}}
 
@@ -32,13 +32,7 @@ def test_forces_and_tangent_are_derivatives_of_one_energy(make, order, depth):
     gap, slopes, _ = state.contact.springs(problem.positions(at))
     assert (gap > 0).all() == (depth < 0)
     way = bodies.bent(1.0, 8)
-    step = min(1e-5, 0.5 * np.min(np.abs(gap) / np.abs(slopes @ way), initial=1.0))
-    after, before = problem.at(at + step * way), problem.at(at - step * way)
-    force = problem.gradient(state)
-    assert (after.energy - before.energy) / (2 * step) == pytest.approx(force @ way, rel=1e-6)
-    bent = dense_stiffness(problem, problem.linearise(state)) @ way
-    change = (problem.gradient(after) - problem.gradient(before)) / (2 * step)
-    np.testing.assert_allclose(change, bent, atol=2e-6 * np.abs(bent).max())
+    assert_derivatives(problem, at, way, step_between_kinks(gap, slopes @ way), rel=1e-6)
 
 
 @pytest.mark.parametrize(("make", "order"), [(blocks, 1), (balls, 2), (straddling, 2)])

@@ -13,8 +13,8 @@ from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.prisms import prism_mesh
 from ngcell.geometry.rings import ring_section
 from ngcell.mechanics.space import DisplacementSpace
+from tests.contact.derivatives import assert_derivatives, smooth_step
 from tests.contact.solids import Pair, blocks, straddling
-from tests.tissues import dense_stiffness
 
 LAW = ExponentialLaw(0.3, 0.02)
 
@@ -49,29 +49,7 @@ def test_forces_and_tangent_are_derivatives_of_one_energy(make, order, shift, be
     at, way = bodies.moved(shift, 0.03, 3), bodies.bent(1.0, 8)
     positions = problem.positions(at)
     bonds.largest = before * np.median(bonds.openings(positions)) * np.ones_like(bonds.largest)
-    state, step = problem.at(at), smooth_step(problem, bonds, at, way)
-    after, behind = problem.at(at + step * way), problem.at(at - step * way)
-    force = problem.gradient(state)
-    assert (after.energy - behind.energy) / (2 * step) == pytest.approx(force @ way, rel=1e-6)
-    bent = dense_stiffness(problem, problem.linearise(state)) @ way
-    change = (problem.gradient(after) - problem.gradient(behind)) / (2 * step)
-    np.testing.assert_allclose(change, bent, atol=2e-6 * np.abs(bent).max())
-
-
-def smooth_step(problem: Assembly, bonds: Bonds, at: np.ndarray, way: np.ndarray) -> float:
-    """A step on which no wall closes, no bond turns from pressed to open, and none passes its history."""
-
-    def sides(displacement: np.ndarray) -> np.ndarray:
-        positions = problem.positions(displacement)
-        gap, _, _ = problem.at(at).contact.springs(positions)
-        opening, height = bonds.openings(positions), bonds.kinematics.gaps(positions)
-        return np.concatenate([gap > 0, height > 0, opening > bonds.largest])
-
-    step = 1e-5
-    while not all(np.array_equal(sides(at), sides(at + sign * step * way)) for sign in (-1, 1)):
-        step /= 2
-        assert step > 1e-8
-    return step
+    assert_derivatives(problem, at, way, smooth_step(problem, bonds, at, way), rel=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -68,7 +68,7 @@ def test_k6_the_plates_pull_as_hard_as_walls_press_across_a_cut(contact, cut):
     """The cut runs between two rows, through contact only; the little that the last tether holds is counted apart."""
     simulation = Simulation(case(contact=contact))
     *_, accepted = simulation._accepted(Standing())
-    assembly, state, tether = simulation.released, accepted.minimum.state, accepted.tether
+    assembly, state, tether = simulation.released, accepted.minimum.state, accepted.minimum.tether
     pull = tether.strength * (assembly.mass @ (tether.anchor - state.displacement))
     support = assembly.reactions(assembly.gradient(state) - pull)
     above = np.arange(9) // 3 >= cut

@@ -92,7 +92,7 @@ def test_what_the_last_tether_holds_is_little_and_shrinks_with_it():
     tissue = sheared()
     weaker = by_single_step(tissue, replace(PATH, last=PATH.last / 10))[-1]
     minimiser = tissue.minimiser(tissue.released)
-    ends = [(step.minimum.state.displacement, step.tether) for step in (reference(), weaker)]
+    ends = [(step.minimum.state.displacement, step.minimum.tether) for step in (reference(), weaker)]
     held = [minimiser.tether_energy(*end) for end in ends]
     assert held[0] < 1e-3 * reference().minimum.state.energy
     assert held[1] < held[0]
@@ -102,7 +102,7 @@ def test_the_equilibrium_balances_and_pushes_back():
     tissue, step = sheared(), reference()
     state = step.minimum.state
     force = tissue.released.gradient(state)
-    tether = step.tether.strength * (tissue.released.mass @ (state.displacement - step.tether.anchor))
+    tether = step.minimum.tether.strength * (tissue.released.mass @ (state.displacement - step.minimum.tether.anchor))
     assert np.abs((force + tether)[tissue.released.free]).max() < 1e-8
     low, high = (plate_force(tissue, step, name) for name in ("low", "high"))
     assert high[0] > 0
