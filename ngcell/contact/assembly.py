@@ -38,13 +38,16 @@ class State:
         The displacement [length].
     energy : float
         Energy of bulk, contact and bonds [stress * length**dimension]; NaN where an element is inverted.
+    positions : array of float, shape (dimension, size)
+        Deformed positions as unknowns [length]; not to be written to.
     contact : ContactSet or None
         The partners at this displacement.
     """
 
     displacement: Array
     energy: float
-    contact: ContactSet | None
+    positions: Array
+    contact: ContactSet | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,14 +152,13 @@ class Assembly:
         energy = self.bulk.energy(full)
         if self.fluid is not None:
             energy += self.fluid.energy(full)
-        contact = None
+        contact, positions = None, self.positions(full)
         if self.contact is not None and np.isfinite(energy):
-            positions = self.positions(full)
             contact = self.contact.pair(positions)
             energy += contact.energy(positions)
         if self.bonds is not None:
-            energy += self.bonds.energy(self.positions(full))
-        return State(displacement, energy, contact)
+            energy += self.bonds.energy(positions)
+        return State(displacement, energy, positions, contact)
 
     def move(self, displacement: Array, step: Array) -> Array:
         """Return the displacement after a step in which bodies that float turn instead of stretching.
@@ -220,14 +222,14 @@ class Assembly:
         if state.contact is not None:
             force += self.contact_force(state)
         if self.bonds is not None:
-            force += self.bonds.gradient(self.positions(full))
+            force += self.bonds.gradient(state.positions)
         return self.gather(force)
 
     def contact_force(self, state: State) -> Array:
         """Return the contact part of the gradient, shape (unknowns,)."""
         if state.contact is None:
             return np.zeros(self.space.unknowns)
-        gap, jacobian, spring = state.contact.springs(self.positions(state.displacement))
+        gap, jacobian, spring = state.contact.springs(state.positions)
         return np.asarray(jacobian.T @ (spring * np.minimum(gap, 0)))
 
     def linearise(self, state: State) -> Linearisation:
@@ -235,7 +237,7 @@ class Assembly:
         full = self.expand(state.displacement)
         gradient = self.gather(self._bulk_force(full))
         stiffness = self._lower_stiffness(full)
-        positions, bent = self.positions(full), None
+        positions, bent = state.positions, None
         if self.bonds is not None:
             gradient, bent = gradient + self.bonds.gradient(positions), self.bonds.tangent(positions)
         if state.contact is None:
@@ -252,7 +254,7 @@ class Assembly:
         if state.contact is None:
             return np.zeros(0, dtype=np.int64), np.zeros(0)
         order = np.argsort(state.contact.keys, kind="stable")
-        return state.contact.keys[order], state.contact.gaps(self.positions(state.displacement))[order]
+        return state.contact.keys[order], state.contact.gaps(state.positions)[order]
 
     @cached_property
     def pattern(self) -> tuple[Index, Index]:
@@ -278,7 +280,7 @@ class Assembly:
         """Return rows and columns of the lower triangle that contact and bonds could fill while nothing moves by more
         than half of `margin` [length]."""
         nothing = np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
-        near = nothing if self.contact is None else self.contact.couplings(self.positions(state.displacement), margin)
+        near = nothing if self.contact is None else self.contact.couplings(state.positions, margin)
         bonded = nothing if self.bonds is None else self.bonds.couplings()
         row, column = (np.concatenate(part) for part in zip(near, bonded, strict=True))
         shifts = [axis * self.space.size for axis in range(self.space.dimension)]
@@ -290,19 +292,18 @@ class Assembly:
     def follow(self, other: Assembly, state: State) -> None:
         """Start contact from the pressures of another assembly's equilibrium."""
         if self.contact is not None and other.contact is not None:
-            self.contact.follow(other.contact, self.positions(state.displacement))
+            self.contact.follow(other.contact, state.positions)
 
     def improve(self, state: State) -> tuple[float, float]:
         """Let contact and fluids learn from an equilibrium; return the largest length by which they miss conditions,
         and the energy that stands for it."""
         missed, energy = 0.0, 0.0
         if self.contact is not None and state.contact is not None:
-            positions = self.positions(state.displacement)
 
             def stored() -> float:
                 return state.energy - self.potential(state.displacement)
 
-            missed, energy = self.contact.improve(state.contact, positions, stored)
+            missed, energy = self.contact.improve(state.contact, state.positions, stored)
         if self.fluid is not None:
             off, in_fluid = self.fluid.improve(self.expand(state.displacement))
             missed, energy = max(missed, off), energy + in_fluid

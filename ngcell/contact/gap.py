@@ -17,10 +17,10 @@ is a `Shape`; the rest is the same.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import reduce
 from operator import add
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,6 +109,7 @@ class GapKinematics:
     slip: Array
     other_tangent: Array | None = None
     shape: Shape = field(default_factory=PlanarShape)
+    _seen: list[Any] = field(default_factory=list, init=False)
 
     @property
     def maps(self) -> tuple[Array, ...]:
@@ -117,9 +118,14 @@ class GapKinematics:
         return planar if self.other_tangent is None else (*planar, self.other_tangent)
 
     def vectors(self, positions: Array) -> tuple[Array, ...]:
-        """Return ``a`` and ``t``, each (n, d), of positions given as unknowns of shape (d, scalar unknowns)."""
-        local = positions[:, self.dofs]
-        return tuple((local * factors).sum(2).T for factors in self.maps)
+        """Return ``a`` and ``t``, each (n, d), of positions given as unknowns of shape (d, scalar unknowns).
+
+        Those of the array that was last asked for are kept; it is not to be written to.
+        """
+        if not self._seen or self._seen[0] is not positions:
+            local = positions[:, self.dofs]
+            self._seen[:] = positions, tuple(np.einsum("dnj,nj->nd", local, factors) for factors in self.maps)
+        return self._seen[1]
 
     def gaps(self, positions: Array) -> Array:
         """Return the gaps [length], shape (n,)."""
@@ -168,21 +174,20 @@ class GapKinematics:
     def assemble(self, blocks: Array, chosen: NDArray[np.int64], columns: int) -> sparse.coo_array:
         """Return the sum over chosen partners of their blocks in the vectors, as a matrix in the unknowns."""
         axes = blocks.shape[1] // len(self.maps)
-        factors = [each[chosen] for each in self.maps]
-        empty = np.zeros_like(factors[0])
-        maps = np.stack(
-            [
-                np.concatenate([each if axis == other else empty for other in range(axes)], axis=1)
-                for each in factors
-                for axis in range(axes)
-            ],
-            axis=1,
-        )
-        local = np.einsum("pai,pab,pbj->pij", maps, blocks, maps, optimize=True)
-        unknown = np.concatenate([self.dofs[chosen] + axis * columns for axis in range(axes)], axis=1)
-        row = np.repeat(unknown, unknown.shape[1], axis=1).ravel()
-        column = np.tile(unknown, (1, unknown.shape[1])).ravel()
-        return sparse.coo_array((local.ravel(), (row, column)), shape=(axes * columns, axes * columns))
+        factors = np.stack([each[chosen] for each in self.maps], axis=1)
+        unknown = self.dofs[chosen][:, None] + columns * np.arange(axes)[:, None]
+        rows = np.tile(unknown, (1, len(self.maps), 1))
+        maps = _sparse_rows(np.repeat(factors, axes, axis=1), rows, axes * columns)
+        by_unknown = blocks.reshape(*blocks.shape[:2], len(self.maps), axes).transpose(0, 1, 3, 2) @ factors[:, None]
+        every = np.repeat(unknown.reshape(len(chosen), 1, axes * self.dofs.shape[1]), blocks.shape[1], axis=1)
+        return (maps.T @ _sparse_rows(by_unknown, every, axes * columns)).tocoo()
+
+
+def _sparse_rows(values: Array, columns: NDArray[np.int64], count: int) -> sparse.csr_array:
+    """Return a matrix whose rows have these values in these of `count` columns; the first two axes are rows."""
+    height, width = columns.shape[0] * columns.shape[1], columns.shape[2]
+    pointer = width * np.arange(height + 1)
+    return sparse.csr_array((values.ravel(), columns.ravel(), pointer), shape=(height, count))
 
 
 def gap_kinematics(walls: Walls, partners: Partners, positions: Array) -> GapKinematics:
@@ -203,7 +208,8 @@ def gap_kinematics(walls: Walls, partners: Partners, positions: Array) -> GapKin
         slip=np.zeros(len(partners)),
     )
     bent = np.einsum("nj,dnj->nd", bend, positions[:, walls.dofs[partners.other]])
-    return replace(kinematics, slip=_slip(kinematics, positions, bent))
+    kinematics.slip[:] = _slip(kinematics, positions, bent)
+    return kinematics
 
 
 def _slip(kinematics: GapKinematics, positions: Array, bent: Array) -> Array:

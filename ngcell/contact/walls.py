@@ -51,17 +51,23 @@ class Lagrange:
         return np.linspace(0.0, 1.0, self.order + 1)
 
     @cached_property
-    def _to_monomials(self) -> Array:
-        return np.linalg.inv(np.vander(self.nodes, increasing=True))
+    def _by_powers(self) -> tuple[Array, ...]:
+        """Factors of ``1, xi, xi^2, ...`` in the polynomials, and in their derivatives of each degree."""
+        by_powers = [np.linalg.inv(np.vander(self.nodes, increasing=True))]
+        while len(by_powers) <= self.order:
+            by_powers.append(np.arange(1, len(by_powers[-1]))[:, None] * by_powers[-1][1:])
+        return tuple(by_powers)
 
     def values(self, xi: Array, derivative: int = 0) -> Array:
         """Return the derivative of the given degree of all polynomials at `xi`; shape (*xi.shape, order + 1)."""
-        power = np.arange(self.order + 1)
-        factor = np.ones(self.order + 1)
-        for degree in range(derivative):
-            factor = factor * (power - degree)
-        exponent = np.maximum(power - derivative, 0)
-        return (np.asarray(xi)[..., None] ** exponent * factor) @ self._to_monomials
+        xi = np.asarray(xi)
+        if derivative > self.order:
+            return np.zeros((*xi.shape, self.order + 1))
+        factors = self._by_powers[derivative]
+        powers = np.ones((*xi.shape, len(factors)))
+        for power in range(1, len(factors)):
+            np.multiply(powers[..., power - 1], xi, out=powers[..., power])
+        return powers @ factors
 
 
 @dataclass(frozen=True, eq=False)

@@ -165,7 +165,7 @@ class Minimiser:
         model, is_last = self._model(state, line, tether, shift), False
         for _ in range(MOST_REFUSALS):
             step, change = self._step(model)
-            decrement = -float(model.full_gradient() @ step)
+            decrement = -float(model.full_gradient @ step)
             if change <= 0 <= decrement:
                 trial, gain = self._tried(state, step, tether, energy)
                 if -lost < change and -lost < gain:
@@ -222,7 +222,7 @@ class Minimiser:
         longest = float(np.abs(step).max())
         if longest > self.longest_step:
             step = step * (self.longest_step / longest)
-            change = model.change(self._matrix, step)
+            change = model.change(step, self._matrix.multiply(model.stiffness, step), model.jacobian @ step)
         return step, change
 
     def _relaxed(self, shift: float, quality: float, model: SpringModel, step: Array) -> float:
@@ -235,7 +235,7 @@ class Minimiser:
     def _weight_of(self, share: float, model: SpringModel, step: Array) -> float:
         """Return the shift whose curvature along the step is this share of the model's slope along it."""
         weight = float(step @ (self.problem.mass @ step))
-        return share * abs(float(model.full_gradient() @ step)) / max(weight, np.finfo(float).tiny)
+        return share * abs(float(model.full_gradient @ step)) / max(weight, np.finfo(float).tiny)
 
     def _model(self, state: State, line: Linearisation, tether: Tether, shift: float) -> SpringModel:
         with self.clock.phase("assembly"):

@@ -9,6 +9,7 @@ walls changes inside the model, at the price of a factorisation and without eval
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -76,8 +77,9 @@ class SpringModel:
     spring: Array
     free: NDArray[np.bool_]
 
+    @cached_property
     def full_gradient(self) -> Array:
-        """Return the gradient at 0, springs included; zero on unknowns that are not free."""
+        """The gradient at 0, springs included; zero on unknowns that are not free."""
         springs = self.jacobian.T @ (self.spring * np.minimum(self.gap, 0))
         return np.where(self.free, self.gradient + springs, 0.0)
 
@@ -85,16 +87,13 @@ class SpringModel:
         """Return the energy that the springs store at these gaps."""
         return 0.5 * float((self.spring * np.minimum(gap, 0) ** 2).sum())
 
-    def change(self, matrix: Matrix, step: Array) -> float:
-        """Return ``m(step) - m(0)``."""
-        moved = self.jacobian @ step
+    def change(self, step: Array, curved: Array, moved: Array) -> float:
+        """Return ``m(step) - m(0)``, with ``curved = K step`` and ``moved = jacobian step``."""
         before, after = np.minimum(self.gap, 0), np.minimum(self.gap + moved, 0)
         # What springs add to their first-order part, without differences of squares: those drown small steps.
         flipped = (after - before) * (after + before) - 2 * before * moved
         bent = np.where((before < 0) & (after < 0), moved**2, flipped)
-        springs = 0.5 * (self.spring * bent).sum()
-        curved = 0.5 * step @ matrix.multiply(self.stiffness, step)
-        return float(self.full_gradient() @ step + curved + springs)
+        return float(self.full_gradient @ step + 0.5 * (step @ curved) + 0.5 * (self.spring @ bent))
 
 
 def minimum_of_springs(model: SpringModel, matrix: Matrix) -> tuple[Array, float, int]:
@@ -102,19 +101,21 @@ def minimum_of_springs(model: SpringModel, matrix: Matrix) -> tuple[Array, float
 
     The change is not negative if the matrix is not positive definite along the way.
     """
-    step = np.zeros_like(model.gradient)
-    gap, change, rounds = model.gap, 0.0, 0
+    step, curved = np.zeros_like(model.gradient), np.zeros_like(model.gradient)
+    gap, moved = model.gap, np.zeros_like(model.gap)
+    change, rounds = 0.0, 0
+    closed = np.flatnonzero(gap < 0)
     while rounds < MOST_ROUNDS:
         rounds += 1
-        closed = np.flatnonzero(gap < 0)
-        target = _newton_target(model, matrix, closed)
-        towards = target - step
-        moved = model.jacobian @ towards
-        fraction = _exact_search(model, matrix, step, gap, towards, moved)
-        step = step + fraction * towards
-        gap = gap + fraction * moved
-        before, change = change, model.change(matrix, step)
-        settled = np.array_equal(closed, np.flatnonzero(gap < 0))
+        towards = _newton_target(model, matrix, closed) - step
+        way, curves = model.jacobian @ towards, matrix.multiply(model.stiffness, towards)
+        constant, linear = float(model.gradient @ towards + step @ curves), float(towards @ curves)
+        fraction = _root_of_slope(constant, linear, model.spring, gap, way)
+        step, curved, moved = step + fraction * towards, curved + fraction * curves, moved + fraction * way
+        gap = model.gap + moved
+        before, change = change, model.change(step, curved, moved)
+        was_closed, closed = closed, np.flatnonzero(gap < 0)
+        settled = np.array_equal(was_closed, closed)
         if settled or not change < 0 or before - change < -WORTHWHILE_GAIN * change:
             break
     return step, change, rounds
@@ -125,16 +126,6 @@ def _newton_target(model: SpringModel, matrix: Matrix, closed: NDArray[np.int64]
     jacobian, spring = model.jacobian[closed], model.spring[closed]
     matrix.factorise(matrix.add_springs(model.stiffness, jacobian, spring))
     return -matrix.solve(model.gradient + jacobian.T @ (spring * model.gap[closed]))
-
-
-def _exact_search(
-    model: SpringModel, matrix: Matrix, step: Array, gap: Array, towards: Array, moved: Array
-) -> float:
-    """Return the fraction in (0, 1] of the way at which the model is smallest."""
-    curved = matrix.multiply(model.stiffness, towards)
-    constant = float(model.gradient @ towards + step @ curved)
-    linear = float(towards @ curved)
-    return _root_of_slope(constant, linear, model.spring, gap, moved)
 
 
 def _root_of_slope(constant: float, linear: float, spring: Array, gap: Array, moved: Array) -> float:

@@ -71,7 +71,7 @@ def test_springs_that_the_newton_step_would_close_are_foreseen():
     model = SpringModel(np.array([-1.0]), np.ones(1), np.array([0.1]), jacobian, np.array([99.0]), free)
     step, change, _ = minimum_of_springs(model, matrix)
     assert step[0] == pytest.approx((1 + 9.9) / 100, rel=1e-12)
-    assert model.full_gradient()[0] == -1.0
+    assert model.full_gradient[0] == -1.0
     assert change == pytest.approx(model_at(model, step), rel=1e-12)
 
 
@@ -80,8 +80,8 @@ def test_the_gradient_at_rest_counts_closed_springs_only_and_no_held_unknown():
     size = 1e-6
     ways = size * np.eye(8)
     slope = [(model_at(model, way) - model_at(model, -way)) / (2 * size) for way in ways]
-    np.testing.assert_allclose(model.full_gradient()[:-1], slope[:-1], atol=1e-8)
-    assert model.full_gradient()[-1] == 0
+    np.testing.assert_allclose(model.full_gradient[:-1], slope[:-1], atol=1e-8)
+    assert model.full_gradient[-1] == 0
 
 
 def root(constant: float, linear: float, *springs: tuple[float, float, float]) -> float:
