@@ -9,10 +9,12 @@ does not tell a matrix that is not positive definite: the caller judges directio
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Any
 
 import ngsolve
 import ngsolve.la
 import numpy as np
+import pyngcore
 from numpy.typing import NDArray
 from scipy import sparse
 
@@ -104,6 +106,16 @@ class SymmetricMatrix:
         forces.data *= np.repeat(spring, np.diff(jacobian.indptr))
         return self.add(values, jacobian.T @ forces)
 
+    def exchange_springs(
+        self, sprung: Array, jacobian: sparse.csr_array, spring: Array, before: Index, after: Index
+    ) -> Array:
+        """Return what `add_springs` made with the springs of these numbers `before`, with those `after` instead."""
+        sign = np.zeros(len(spring))
+        sign[after] += 1
+        sign[before] -= 1
+        changed = np.flatnonzero(sign)
+        return self.add_springs(sprung, jacobian[changed], (sign * spring)[changed])
+
     def factorise(self, values: Array) -> None:
         """Factorise the matrix with these values."""
         self._factor.update(values)
@@ -141,10 +153,9 @@ class Factor:
 
     def __init__(self, lower: sparse.csr_array, free: NDArray[np.bool_]) -> None:
         size = len(free)
-        row = np.repeat(np.arange(size, dtype=np.int32), np.diff(lower.indptr))
-        self._matrix = ngsolve.la.SparseMatrixd.CreateFromCOO(
-            row, lower.indices.astype(np.int32), np.zeros(len(row)), size, size
-        )
+        row, values = np.repeat(np.arange(size), np.diff(lower.indptr)), np.zeros(lower.nnz)
+        entries = _copied(pyngcore.Array_I_S, row), _copied(pyngcore.Array_I_S, lower.indices)
+        self._matrix = ngsolve.la.SparseMatrixd.CreateFromCOO(*entries, _copied(pyngcore.Array_D_S, values), size, size)
         self._values = np.asarray(self._matrix.CSR()[0])
         self._free = ngsolve.BitArray(free.tolist())
         self._inverse: ngsolve.BaseMatrix | None = None
@@ -164,3 +175,10 @@ class Factor:
         self._right.FV().NumPy()[:] = right
         self._inverse.Mult(self._right, self._left)
         return self._left.FV().NumPy().copy()
+
+
+def _copied(kind: type, values: NDArray[Any]) -> Any:
+    """Return an array of NGSolve's with these values; left to itself, NGSolve takes them from numpy one by one."""
+    array = kind(len(values))
+    array.NumPy()[:] = values
+    return array

@@ -44,6 +44,11 @@ class Matrix(Protocol):
     def add_springs(self, values: Array, jacobian: sparse.csr_array, spring: Array) -> Any:
         """Return `values` plus ``jacobian.T @ diag(spring) @ jacobian``."""
 
+    def exchange_springs(
+        self, sprung: Any, jacobian: sparse.csr_array, spring: Array, before: Index, after: Index
+    ) -> Any:
+        """Return what `add_springs` made with the springs of these numbers `before`, with those `after` instead."""
+
     def factorise(self, values: Any) -> None:
         """Prepare to solve systems with this matrix."""
 
@@ -105,8 +110,10 @@ def minimum_of_springs(model: SpringModel, matrix: Matrix) -> tuple[Array, float
     gap, moved = model.gap, np.zeros_like(model.gap)
     change, rounds = 0.0, 0
     closed = np.flatnonzero(gap < 0)
+    sprung = matrix.add_springs(model.stiffness, model.jacobian[closed], model.spring[closed])
     while rounds < MOST_ROUNDS:
         rounds += 1
+        matrix.factorise(sprung)
         towards = _newton_target(model, matrix, closed) - step
         way, curves = model.jacobian @ towards, matrix.multiply(model.stiffness, towards)
         constant, linear = float(model.gradient @ towards + step @ curves), float(towards @ curves)
@@ -118,14 +125,15 @@ def minimum_of_springs(model: SpringModel, matrix: Matrix) -> tuple[Array, float
         settled = np.array_equal(was_closed, closed)
         if settled or not change < 0 or before - change < -WORTHWHILE_GAIN * change:
             break
+        sprung = matrix.exchange_springs(sprung, model.jacobian, model.spring, was_closed, closed)
     return step, change, rounds
 
 
 def _newton_target(model: SpringModel, matrix: Matrix, closed: NDArray[np.int64]) -> Array:
-    """Return the minimum of the quadratic in which just these springs act."""
-    jacobian, spring = model.jacobian[closed], model.spring[closed]
-    matrix.factorise(matrix.add_springs(model.stiffness, jacobian, spring))
-    return -matrix.solve(model.gradient + jacobian.T @ (spring * model.gap[closed]))
+    """Return the minimum of the quadratic in which just these springs act, which the matrix is factorised with."""
+    pull = np.zeros_like(model.gap)
+    pull[closed] = model.spring[closed] * model.gap[closed]
+    return -matrix.solve(model.gradient + model.jacobian.T @ pull)
 
 
 def _root_of_slope(constant: float, linear: float, spring: Array, gap: Array, moved: Array) -> float:
