@@ -50,6 +50,7 @@ class SymmetricMatrix:
         self._diagonal = np.flatnonzero(row == column)
         self._diagonal_rows = row[self._diagonal]
         self._free = free
+        self._loaded: Array | None = None
 
     @property
     def entry_count(self) -> int:
@@ -102,8 +103,8 @@ class SymmetricMatrix:
         """Return `values` plus the lower triangle of ``jacobian.T @ diag(spring) @ jacobian``."""
         if not len(spring):
             return values
-        forces = jacobian.copy()
-        forces.data *= np.repeat(spring, np.diff(jacobian.indptr))
+        weights = np.repeat(spring, np.diff(jacobian.indptr))
+        forces = sparse.csr_array((weights * jacobian.data, jacobian.indices, jacobian.indptr), shape=jacobian.shape)
         return self.add(values, jacobian.T @ forces)
 
     def exchange_springs(
@@ -126,12 +127,13 @@ class SymmetricMatrix:
 
     def multiply(self, values: Array, vector: Array) -> Array:
         """Return the product of the symmetric matrix with these values and a vector."""
-        self.load(values)
+        if values is not self._loaded:
+            self.load(values)
         return self.product(vector)
 
     def load(self, values: Array) -> None:
         """Let `product` be that with these values."""
-        self._lower.data[:] = values
+        self._lower.data[:] = self._loaded = values
 
     def product(self, vector: Array) -> Array:
         """Return the product of the symmetric matrix with the values last loaded and a vector."""

@@ -85,8 +85,15 @@ class SpringModel:
     @cached_property
     def full_gradient(self) -> Array:
         """The gradient at 0, springs included; zero on unknowns that are not free."""
-        springs = self.jacobian.T @ (self.spring * np.minimum(self.gap, 0))
-        return np.where(self.free, self.gradient + springs, 0.0)
+        return np.where(self.free, self.gradient + self.pulled(self.spring * np.minimum(self.gap, 0)), 0.0)
+
+    def pulled(self, forces: Array) -> Array:
+        """Return ``jacobian.T forces``."""
+        return np.asarray(self._transposed @ forces)
+
+    @cached_property
+    def _transposed(self) -> sparse.csc_array:
+        return self.jacobian.T
 
     def stored(self, gap: Array) -> float:
         """Return the energy that the springs store at these gaps."""
@@ -133,7 +140,7 @@ def _newton_target(model: SpringModel, matrix: Matrix, closed: NDArray[np.int64]
     """Return the minimum of the quadratic in which just these springs act, which the matrix is factorised with."""
     pull = np.zeros_like(model.gap)
     pull[closed] = model.spring[closed] * model.gap[closed]
-    return -matrix.solve(model.gradient + model.jacobian.T @ pull)
+    return -matrix.solve(model.gradient + model.pulled(pull))
 
 
 def _root_of_slope(constant: float, linear: float, spring: Array, gap: Array, moved: Array) -> float:
