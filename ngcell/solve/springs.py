@@ -3,7 +3,8 @@
 Ordinary Newton sees only walls that overlap already; its step then drives many others into each other, and a line
 search has to stop it at the first of them. Here the quadratic model carries the linearised gap of every near wall, and
 its minimum is found by Newton on this piecewise quadratic function with exact line searches: the set of closed
-walls changes inside the model, at the price of a factorisation and without evaluating a single element.
+walls changes inside the model, at the price of a factorisation, or of a solution for each spring where few of them
+change, and without evaluating a single element.
 """
 
 from __future__ import annotations
@@ -44,13 +45,12 @@ class Matrix(Protocol):
     def add_springs(self, values: Array, jacobian: sparse.csr_array, spring: Array) -> Any:
         """Return `values` plus ``jacobian.T @ diag(spring) @ jacobian``."""
 
-    def exchange_springs(
-        self, sprung: Any, jacobian: sparse.csr_array, spring: Array, before: Index, after: Index
-    ) -> Any:
-        """Return what `add_springs` made with the springs of these numbers `before`, with those `after` instead."""
-
     def factorise(self, values: Any) -> None:
         """Prepare to solve systems with this matrix."""
+
+    @property
+    def few(self) -> int:
+        """Number of solutions that take no more operations than a factorisation."""
 
     def solve(self, right: Array) -> Array:
         """Return the solution; 0 in rows that are not free."""
@@ -115,13 +115,10 @@ def minimum_of_springs(model: SpringModel, matrix: Matrix) -> tuple[Array, float
     """
     step, curved = np.zeros_like(model.gradient), np.zeros_like(model.gradient)
     gap, moved = model.gap, np.zeros_like(model.gap)
-    change, rounds = 0.0, 0
+    change, quadratics = 0.0, _Quadratics(model, matrix)
     closed = np.flatnonzero(gap < 0)
-    sprung = matrix.add_springs(model.stiffness, model.jacobian[closed], model.spring[closed])
-    while rounds < MOST_ROUNDS:
-        rounds += 1
-        matrix.factorise(sprung)
-        towards = _newton_target(model, matrix, closed) - step
+    for _ in range(MOST_ROUNDS):
+        towards = quadratics.minimum(closed) - step
         way, curves = model.jacobian @ towards, matrix.multiply(model.stiffness, towards)
         constant, linear = float(model.gradient @ towards + step @ curves), float(towards @ curves)
         fraction = _root_of_slope(constant, linear, model.spring, gap, way)
@@ -132,15 +129,50 @@ def minimum_of_springs(model: SpringModel, matrix: Matrix) -> tuple[Array, float
         settled = np.array_equal(was_closed, closed)
         if settled or not change < 0 or before - change < -WORTHWHILE_GAIN * change:
             break
-        sprung = matrix.exchange_springs(sprung, model.jacobian, model.spring, was_closed, closed)
-    return step, change, rounds
+    return step, change, quadratics.factorisations
 
 
-def _newton_target(model: SpringModel, matrix: Matrix, closed: NDArray[np.int64]) -> Array:
-    """Return the minimum of the quadratic in which just these springs act, which the matrix is factorised with."""
-    pull = np.zeros_like(model.gap)
-    pull[closed] = model.spring[closed] * model.gap[closed]
-    return -matrix.solve(model.gradient + model.pulled(pull))
+class _Quadratics:
+    """The quadratics in which some springs act, and their minima.
+
+    One of them is factorised. Where few springs have closed or opened since, what they add is a matrix of low rank, and
+    its inverse follows from that of the factorised one (Sherman-Morrison-Woodbury; Hager, SIAM Rev. 31, 1989,
+    doi:10.1137/1031049).
+    """
+
+    def __init__(self, model: SpringModel, matrix: Matrix) -> None:
+        self._model, self._matrix = model, matrix
+        self._acting: Index | None = None
+        self._pulled: dict[int, Array] = {}
+        self.factorisations = 0
+
+    def minimum(self, closed: Index) -> Array:
+        """Return the minimum of the quadratic in which just these springs act."""
+        model = self._model
+        pull = np.zeros_like(model.gap)
+        pull[closed] = model.spring[closed] * model.gap[closed]
+        changed = np.zeros(0, dtype=np.int64) if self._acting is None else np.setxor1d(closed, self._acting)
+        if self._acting is None or len(changed) > self._matrix.few:
+            self._factorise(closed)
+            changed = changed[:0]
+        minimum = -self._matrix.solve(model.gradient + model.pulled(pull))
+        return self._corrected(minimum, changed, np.isin(changed, closed)) if len(changed) else minimum
+
+    def _factorise(self, closed: Index) -> None:
+        model = self._model
+        self._matrix.factorise(self._matrix.add_springs(model.stiffness, model.jacobian[closed], model.spring[closed]))
+        self._acting, self._pulled = closed, {}
+        self.factorisations += 1
+
+    def _corrected(self, solution: Array, changed: Index, closes: NDArray[np.bool_]) -> Array:
+        """Return a solution with these springs closed, or else opened."""
+        jacobian = self._model.jacobian[changed]
+        for row, number in enumerate(changed.tolist()):
+            if number not in self._pulled:
+                self._pulled[number] = self._matrix.solve(jacobian[[row]].toarray()[0])
+        pulled = np.stack([self._pulled[number] for number in changed.tolist()], axis=1)
+        compliance = jacobian @ pulled + np.diag(np.where(closes, 1, -1) / self._model.spring[changed])
+        return solution - pulled @ np.linalg.solve(compliance, jacobian @ solution)
 
 
 def _root_of_slope(constant: float, linear: float, spring: Array, gap: Array, moved: Array) -> float:

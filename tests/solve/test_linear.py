@@ -75,18 +75,6 @@ def test_springs_are_added_as_their_product_and_none_change_nothing():
     np.testing.assert_array_equal(matrix.add_springs(values, jacobian[:0], spring[:0]), values)
 
 
-def test_springs_are_exchanged_as_if_they_had_been_added_at_once():
-    random = np.random.default_rng(3)
-    matrix = SymmetricMatrix(6, np.ones(6, bool), *np.tril_indices(6))
-    jacobian, spring = sparse.csr_array(random.standard_normal((4, 6))), random.uniform(size=4)
-    before, after = np.array([0, 1]), np.array([1, 3])
-    sprung = matrix.add_springs(np.arange(21.0), jacobian[before], spring[before])
-    exchanged = matrix.exchange_springs(sprung, jacobian, spring, before, after)
-    expected = matrix.add_springs(np.arange(21.0), jacobian[after], spring[after])
-    np.testing.assert_allclose(exchanged, expected, atol=1e-13)
-    assert np.abs(expected - sprung).max() > 0.1
-
-
 def test_room_is_told_without_an_error():
     matrix = SymmetricMatrix(3, np.ones(3, bool), np.array([0, 1, 2, 2]), np.array([0, 1, 2, 0]))
     assert matrix.has_room(np.array([2, 1]), np.array([0, 1]))

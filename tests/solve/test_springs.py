@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import optimize, sparse
 
 from ngcell.solve.linear import SymmetricMatrix
-from ngcell.solve.springs import SpringModel, _root_of_slope, minimum_of_springs
+from ngcell.solve.springs import SpringModel, _Quadratics, _root_of_slope, minimum_of_springs
 
 
 def random_model(
@@ -145,3 +147,20 @@ def test_the_change_of_a_tiny_step_is_not_drowned_by_the_overlap():
     step, change, _ = minimum_of_springs(model, matrix)
     assert step[0] == pytest.approx(rest / 1001, rel=1e-3, abs=0)
     assert change == pytest.approx(-(rest**2) / 2002, rel=1e-3, abs=0)
+
+
+@pytest.mark.parametrize("few", [0, 1, 2, 6])
+def test_minima_with_other_springs_are_the_same_whether_factorised_or_corrected(few, monkeypatch):
+    """Springs close and open in turn; whatever is factorised anew, each minimum is that of its own quadratic."""
+    monkeypatch.setattr(SymmetricMatrix, "few", few)
+    model, matrix = random_model(5, 1e3)
+    quadratics = _Quadratics(model, matrix)
+    sets = [[0, 1], [0, 1, 2], [1, 2], [], [3, 4, 5], [0, 3, 4, 5]]
+    for closed in (np.array(numbers, dtype=np.int64) for numbers in sets):
+        alone = replace(model, gap=model.gap[closed], jacobian=model.jacobian[closed], spring=model.spring[closed])
+        sprung = matrix.add_springs(model.stiffness, alone.jacobian, alone.spring)
+        minimum = quadratics.minimum(closed)
+        force = matrix.multiply(sprung, minimum) + model.gradient + alone.pulled(alone.spring * alone.gap)
+        np.testing.assert_allclose(force[model.free], 0, atol=1e-9)
+        assert minimum[-1] == 0
+    assert quadratics.factorisations == {0: 6, 1: 4, 2: 2, 6: 1}[few]
