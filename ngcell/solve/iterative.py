@@ -102,7 +102,7 @@ class IterativeMatrix:
         return True
 
     def add(self, values: Array, matrix: sparse.sparray) -> Array:
-        """Return `values` plus the lower triangle of a sparse matrix; what the pattern has no room for comes last."""
+        """Return `values` plus the lower triangle of a symmetric sparse matrix; entries without room come last."""
         row, column, data = _lower(matrix)
         position, is_there = self._whole.find(row, column)
         assert is_there[row == column].all()  # the rest, off the diagonal, counts for both triangles

@@ -92,12 +92,14 @@ class SymmetricMatrix:
         return position, self._keys[position] == wanted
 
     def add(self, values: Array, matrix: sparse.sparray) -> Array:
-        """Return `values` plus the lower triangle of a sparse matrix."""
-        part = matrix.tocoo()
-        row, column = (index.astype(np.int64) for index in part.coords)
+        """Return `values` plus the lower triangle of a symmetric sparse matrix."""
+        # Column by column the upper triangle comes in the order of the pattern's lower one: found in half of the time.
+        part = matrix.tocsc()
+        row, column = np.repeat(np.arange(self.size), np.diff(part.indptr)), part.indices.astype(np.int64)
         lower = row >= column
-        position = self.locate(row[lower], column[lower])
-        return values + np.bincount(position, weights=part.data[lower], minlength=len(values))
+        summed = values.copy()
+        summed[self.locate(row[lower], column[lower])] += part.data[lower]
+        return summed
 
     def add_springs(self, values: Array, jacobian: sparse.csr_array, spring: Array) -> Array:
         """Return `values` plus the lower triangle of ``jacobian.T @ diag(spring) @ jacobian``."""

@@ -40,7 +40,7 @@ class Matrix(Protocol):
         """Tell whether all these entries are part of the pattern, or need not be."""
 
     def add(self, values: Array, matrix: sparse.sparray) -> Array:
-        """Return `values` plus the lower triangle of a sparse matrix."""
+        """Return `values` plus the lower triangle of a symmetric sparse matrix."""
 
     def add_springs(self, values: Array, jacobian: sparse.csr_array, spring: Array) -> Any:
         """Return `values` plus ``jacobian.T @ diag(spring) @ jacobian``."""

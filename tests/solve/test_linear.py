@@ -40,11 +40,11 @@ def test_multiplying_uses_the_whole_symmetric_matrix_free_or_not():
     np.testing.assert_allclose(matrix.multiply(values, vector), full @ vector, atol=1e-11)
 
 
-def test_adding_counts_the_lower_triangle_and_repeated_entries_and_keeps_its_argument():
+def test_adding_counts_each_pair_once_and_repeated_entries_and_keeps_its_argument():
     matrix = SymmetricMatrix(4, np.ones(4, bool), *np.tril_indices(4))
     before = np.arange(10.0)
     kept = before.copy()
-    more = sparse.coo_array(([1.0, 2.0, 4.0, 2.0], ([3, 3, 1, 1], [1, 1, 1, 3])), shape=(4, 4))
+    more = sparse.coo_array(([1.0, 2.0, 4.0, 3.0], ([3, 3, 1, 1], [1, 1, 1, 3])), shape=(4, 4))
     change = matrix.add(before, more) - before
     np.testing.assert_array_equal(before, kept)
     expected = np.zeros(10)
@@ -57,9 +57,9 @@ def test_an_entry_outside_the_pattern_is_an_error(row, column):
     matrix = SymmetricMatrix(4, np.ones(4, bool), np.array([0, 1, 2, 3]), np.array([0, 1, 2, 3]))
     with pytest.raises(PatternError):
         matrix.locate(np.array([row]), np.array([column]))
-    lower = ([max(row, column)], [min(row, column)])
+    both = sparse.coo_array(([1.0, 1.0], ([row, column], [column, row])), shape=(4, 4))
     with pytest.raises(PatternError):
-        matrix.add(np.zeros(4), sparse.coo_array(([1.0], lower), shape=(4, 4)))
+        matrix.add(np.zeros(4), both)
 
 
 def test_springs_are_added_as_their_product_and_none_change_nothing():
