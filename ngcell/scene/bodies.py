@@ -30,7 +30,7 @@ Vector = Numbers | Callable[..., tuple[Any, ...]]
 PLAIN_NAME = re.compile(r"[A-Za-z0-9_-]+")
 
 _NUMBERS = "two finite numbers, or three for solids"
-_LEVELS: TypeAdapter[int | tuple[float, ...]] = TypeAdapter(Levels)
+_LEVELS: TypeAdapter[int | tuple[float, ...]] = TypeAdapter(Levels, config={"defer_build": True})
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, Strict
 from pydantic_core import CoreSchema, core_schema
 
 #: Frozen, without unknown keys; a number is a number (never a string or a boolean) and finite.
-SECTION = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+SECTION = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
 
 PositiveNumber = Annotated[float, Field(gt=0)]
 NonNegativeNumber = Annotated[float, Field(ge=0)]
