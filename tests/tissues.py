@@ -8,8 +8,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.assembly import Assembly, Linearisation
+from ngcell.contact.assembly import Assembly
 from ngcell.contact.penalty import PenaltyContact, penalty_stiffness
+from ngcell.contact.state import Linearisation
 from ngcell.contact.tie import Tie, tie_walls
 from ngcell.contact.walls import Walls, find_walls
 from ngcell.geometry.bodies import BodyMesh

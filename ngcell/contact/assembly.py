@@ -6,7 +6,6 @@ their masters (``u = sign u[master]``), and are not free.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -14,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ngcell.contact.method import ContactMethod, ContactSet
+from ngcell.contact.method import ContactMethod
+from ngcell.contact.state import Linearisation, State
 from ngcell.contact.tie import Tie
 from ngcell.contact.turning import roundness
 from ngcell.mechanics.bulk import BulkEnergy
@@ -26,57 +26,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
-
-
-@dataclass(frozen=True, eq=False)
-class State:
-    """A displacement, its energy and, in contact, its partners.
-
-    Attributes
-    ----------
-    displacement : array of float, shape (unknowns,)
-        The displacement [length].
-    energy : float
-        Energy of bulk, contact and bonds [stress * length**dimension]; NaN where an element is inverted.
-    positions : array of float, shape (dimension, size)
-        Deformed positions as unknowns [length]; not to be written to.
-    contact : ContactSet or None
-        The partners at this displacement.
-    """
-
-    displacement: Array
-    energy: float
-    positions: Array
-    contact: ContactSet | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Linearisation:
-    """Second-order model of the energy about a state, with the springs of near walls kept apart.
-
-    ``E(u + d) ~ E + gradient d + d K d / 2 + sum_i stiffness_i (min(0, gap_i + jacobian_i d)^2 - min(0, gap_i)^2) / 2``
-
-    Attributes
-    ----------
-    gradient : array of float, shape (unknowns,)
-        Gradient without the springs' part.
-    stiffness : array of float
-        K without `curvature`, on the lower pattern of the assembly.
-    curvature : coo_array or None
-        Geometric part of closed contacts, and the tangent of bonds.
-    gap, jacobian, spring : array, csr_array, array
-        The springs: gaps, their derivatives by the unknowns, and stiffness.
-    keys : array of int
-        What tells the springs of different states apart.
-    """
-
-    gradient: Array
-    stiffness: Array
-    curvature: sparse.coo_array | None
-    gap: Array
-    jacobian: sparse.csr_array
-    spring: Array
-    keys: Index
 
 
 class Assembly:

@@ -13,7 +13,8 @@ import ngsolve
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.walls import Walls, lobatto
+from ngcell.contact.lagrange import lobatto
+from ngcell.contact.walls import Walls
 from ngcell.errors import GeometryError
 from ngcell.geometry.bodies import BETWEEN, BodyMesh
 

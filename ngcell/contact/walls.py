@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from ngcell.contact.lagrange import Lagrange, lobatto
 from ngcell.geometry.bodies import BodyMesh
 
 if TYPE_CHECKING:
@@ -27,47 +28,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
-
-
-@dataclass(frozen=True, eq=False)
-class Lagrange:
-    """Lagrange polynomials of order `order` at equidistant nodes of [0, 1], and their derivatives."""
-
-    order: int
-
-    @property
-    def centre(self) -> Array:
-        """Middle of the edge."""
-        return np.array(0.5)
-
-    @property
-    def corner_nodes(self) -> Index:
-        """Nodes at the ends."""
-        return np.array([0, self.order])
-
-    @cached_property
-    def nodes(self) -> Array:
-        """Nodes, shape (order + 1,)."""
-        return np.linspace(0.0, 1.0, self.order + 1)
-
-    @cached_property
-    def _by_powers(self) -> tuple[Array, ...]:
-        """Factors of ``1, xi, xi^2, ...`` in the polynomials, and in their derivatives of each degree."""
-        by_powers = [np.linalg.inv(np.vander(self.nodes, increasing=True))]
-        while len(by_powers) <= self.order:
-            by_powers.append(np.arange(1, len(by_powers[-1]))[:, None] * by_powers[-1][1:])
-        return tuple(by_powers)
-
-    def values(self, xi: Array, derivative: int = 0) -> Array:
-        """Return the derivative of the given degree of all polynomials at `xi`; shape (*xi.shape, order + 1)."""
-        xi = np.asarray(xi)
-        if derivative > self.order:
-            return np.zeros((*xi.shape, self.order + 1))
-        factors = self._by_powers[derivative]
-        powers = np.ones((*xi.shape, len(factors)))
-        for power in range(1, len(factors)):
-            np.multiply(powers[..., power - 1], xi, out=powers[..., power])
-        return powers @ factors
 
 
 @dataclass(frozen=True, eq=False)
@@ -320,18 +280,6 @@ def find_walls(bodies: BodyMesh, scalar_space: ngsolve.H1, rest: Array) -> Walls
 def _sampled_shapes(space: ngsolve.H1, element: ngsolve.comp.Ngs_Element, basis: Lagrange) -> Array:
     shape = space.GetFE(ngsolve.ElementId(ngsolve.BND, element.nr)).CalcShape
     return np.array([np.asarray(shape(xi)).ravel() for xi in basis.nodes])
-
-
-def lobatto(count: int) -> tuple[Array, Array]:
-    """Return points and weights of the Gauss-Lobatto rule on [0, 1], exact to degree ``2 count - 3``.
-
-    It has the ends of the edge among its points: the tip of a sharp corner, which presses first and deepest, would slip
-    between the points of a Gauss rule and sink into the wall opposite unseen.
-    """
-    last = np.polynomial.legendre.Legendre.basis(count - 1)
-    points = np.concatenate([[-1.0], np.sort(last.deriv().roots().real), [1.0]])
-    weights = 2 / (count * (count - 1) * last(points) ** 2)
-    return (points + 1) / 2, weights / 2
 
 
 def _are_triangles(mesh: ngsolve.Mesh, numbers: Index) -> NDArray[np.bool_]:

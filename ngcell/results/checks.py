@@ -8,7 +8,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.assembly import Assembly, State
+from ngcell.contact.assembly import Assembly
+from ngcell.contact.state import State
 from ngcell.results.certificate import LIMITS, Certificate, Check
 from ngcell.results.fields import jacobian_range
 from ngcell.results.forces import ContactForces, body_resultants

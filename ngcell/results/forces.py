@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.assembly import Assembly, State
+from ngcell.contact.assembly import Assembly
+from ngcell.contact.state import State
 
 Array = NDArray[np.float64]
 

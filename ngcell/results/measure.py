@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.assembly import Assembly, State
+from ngcell.contact.assembly import Assembly
 from ngcell.contact.facing import FacingWalls
+from ngcell.contact.state import State
 from ngcell.contact.walls import Walls
 from ngcell.geometry.near import components
 from ngcell.mechanics.supports import PrescribedMotion

@@ -14,8 +14,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.assembly import Assembly, State
+from ngcell.contact.assembly import Assembly
 from ngcell.contact.search import nearest_on_body
+from ngcell.contact.state import State
 from ngcell.contact.walls import WallPoints, Walls, find_walls
 from ngcell.mechanics.supports import PrescribedMotion
 

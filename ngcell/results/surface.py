@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.assembly import Assembly, State
+from ngcell.contact.assembly import Assembly
 from ngcell.contact.facing import FacingWalls
 from ngcell.contact.search import nearest_on_body
+from ngcell.contact.state import State
 from ngcell.contact.walls import WallPoints, Walls
 from ngcell.results.patterns import wall_pattern
 

@@ -25,7 +25,7 @@ class State(Protocol):
 
 
 class Linearisation(Protocol):
-    """Second-order model about a state; see `ngcell.contact.assembly.Linearisation`."""
+    """Second-order model about a state; see `ngcell.contact.state.Linearisation`."""
 
     gradient: Array
     stiffness: Array

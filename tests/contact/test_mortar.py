@@ -8,9 +8,10 @@ from functools import cached_property
 import numpy as np
 import pytest
 
-from ngcell.contact.assembly import Assembly, State
+from ngcell.contact.assembly import Assembly
 from ngcell.contact.mortar import MortarContact, MortarSet
 from ngcell.contact.penalty import penalty_stiffness
+from ngcell.contact.state import State
 from tests.contact.stacks import Stack, blocks, rings
 from tests.tissues import LAW, LONGEST_STEP, SmallTissue, dense_stiffness, small_tissue
 
