@@ -24,6 +24,8 @@ Index = NDArray[np.int64]
 MOST_ROUNDS = 8
 #: The inner iteration ends when it gains less than this share of the decrease so far.
 WORTHWHILE_GAIN = 0.02
+#: Factor by which corrections of an inverse may enlarge round-off.
+LOST = 1e6
 
 
 class Matrix(Protocol):
@@ -151,12 +153,15 @@ class _Quadratics:
         model = self._model
         pull = np.zeros_like(model.gap)
         pull[closed] = model.spring[closed] * model.gap[closed]
-        changed = np.zeros(0, dtype=np.int64) if self._acting is None else np.setxor1d(closed, self._acting)
-        if self._acting is None or len(changed) > self._matrix.few:
-            self._factorise(closed)
-            changed = changed[:0]
-        minimum = -self._matrix.solve(model.gradient + model.pulled(pull))
-        return self._corrected(minimum, changed, np.isin(changed, closed)) if len(changed) else minimum
+        right = -(model.gradient + model.pulled(pull))
+        if self._acting is not None:
+            changed = np.setxor1d(closed, self._acting)
+            if len(changed) <= self._matrix.few:
+                minimum = self._corrected(self._matrix.solve(right), changed, np.isin(changed, closed))
+                if minimum is not None:
+                    return minimum
+        self._factorise(closed)
+        return self._matrix.solve(right)
 
     def _factorise(self, closed: Index) -> None:
         model = self._model
@@ -164,15 +169,24 @@ class _Quadratics:
         self._acting, self._pulled = closed, {}
         self.factorisations += 1
 
-    def _corrected(self, solution: Array, changed: Index, closes: NDArray[np.bool_]) -> Array:
-        """Return a solution with these springs closed, or else opened."""
-        jacobian = self._model.jacobian[changed]
+    def _corrected(self, solution: Array, changed: Index, closes: NDArray[np.bool_]) -> Array | None:
+        """Return a solution with these springs closed, or else opened; None where digits are lost.
+
+        That is where a spring opens that alone held a body: what still holds it is the difference of large numbers.
+        """
+        if not len(changed):
+            return solution
+        jacobian, root = self._model.jacobian[changed], np.sqrt(self._model.spring[changed])
         for row, number in enumerate(changed.tolist()):
             if number not in self._pulled:
                 self._pulled[number] = self._matrix.solve(jacobian[[row]].toarray()[0])
-        pulled = np.stack([self._pulled[number] for number in changed.tolist()], axis=1)
-        compliance = jacobian @ pulled + np.diag(np.where(closes, 1, -1) / self._model.spring[changed])
-        return solution - pulled @ np.linalg.solve(compliance, jacobian @ solution)
+        pulled = root * np.stack([self._pulled[number] for number in changed.tolist()], axis=1)
+        gap = root * (jacobian @ solution)
+        try:
+            force = np.linalg.solve(root[:, None] * (jacobian @ pulled) + np.diag(np.where(closes, 1.0, -1.0)), gap)
+        except np.linalg.LinAlgError:
+            return None
+        return solution - pulled @ force if np.abs(force).max() <= LOST * np.abs(gap).max() else None
 
 
 def _root_of_slope(constant: float, linear: float, spring: Array, gap: Array, moved: Array) -> float:

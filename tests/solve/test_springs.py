@@ -155,7 +155,7 @@ def test_minima_with_other_springs_are_the_same_whether_factorised_or_corrected(
     monkeypatch.setattr(SymmetricMatrix, "few", few)
     model, matrix = random_model(5, 1e3)
     quadratics = _Quadratics(model, matrix)
-    sets = [[0, 1], [0, 1, 2], [1, 2], [], [3, 4, 5], [0, 3, 4, 5]]
+    sets = [[0, 1], [0, 1, 2], [0, 1], [1, 2], [], [3, 4, 5], [0, 3, 4, 5]]
     for closed in (np.array(numbers, dtype=np.int64) for numbers in sets):
         alone = replace(model, gap=model.gap[closed], jacobian=model.jacobian[closed], spring=model.spring[closed])
         sprung = matrix.add_springs(model.stiffness, alone.jacobian, alone.spring)
@@ -163,4 +163,17 @@ def test_minima_with_other_springs_are_the_same_whether_factorised_or_corrected(
         force = matrix.multiply(sprung, minimum) + model.gradient + alone.pulled(alone.spring * alone.gap)
         np.testing.assert_allclose(force[model.free], 0, atol=1e-9)
         assert minimum[-1] == 0
-    assert quadratics.factorisations == {0: 6, 1: 4, 2: 2, 6: 1}[few]
+    assert quadratics.factorisations == {0: 7, 1: 4, 2: 2, 6: 1}[few]
+
+
+def test_a_spring_that_alone_held_a_body_is_not_opened_by_a_correction(monkeypatch):
+    """One unknown on a spring 1e9 times as stiff as what else holds it: corrected, half of the digits would be lost."""
+    monkeypatch.setattr(SymmetricMatrix, "few", 1)
+    free, zero = np.ones(1, dtype=bool), np.zeros(1, dtype=np.int64)
+    matrix = SymmetricMatrix(1, free, zero, zero)
+    jacobian = sparse.csr_array(np.array([[-1.0]]))
+    model = SpringModel(np.array([-0.3]), np.array([1 / 3]), np.array([-0.1]), jacobian, np.array([1e9]), free)
+    quadratics = _Quadratics(model, matrix)
+    quadratics.minimum(zero)
+    assert quadratics.minimum(zero[:0])[0] == pytest.approx(0.9, rel=1e-14)
+    assert quadratics.factorisations == 2
