@@ -1,6 +1,6 @@
 """The only room that writes files: tables, VTK series, pictures, the summary, and the folder that holds them.
 
-pyvista and matplotlib are imported inside the functions that need them, so that a run starts fast.
+VTK, pyvista and matplotlib are imported inside the functions that need them, so that a run starts fast.
 """
 
 from ngcell.export.curves import draw_curves

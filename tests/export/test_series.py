@@ -7,7 +7,6 @@ import pyvista
 
 from ngcell.errors import OutputError
 from ngcell.export import SnapshotSeries, read_last_snapshot
-from ngcell.export.vtu import vtu_bytes
 from ngcell.results.snapshot import Grid, Snapshot
 
 
@@ -72,16 +71,6 @@ def test_biquadratic_elements_and_no_walls_are_kept(tmp_path):
     assert snapshot.bulk.cell_type == 28
     assert np.array_equal(snapshot.bulk.cells, bulk.cells)
     assert len(snapshot.walls.cells) == 0
-
-
-def test_whole_numbers_flags_and_odd_names_are_kept(tmp_path):
-    points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, np.nan, np.pi]])
-    flags, name = np.array([True, False, True]), 'a < "b" & \u00e4'
-    (tmp_path / "one.vtu").write_bytes(vtu_bytes(Grid(points, np.array([[0, 1, 2]]), 5, {name: flags}), {"text": name}))
-    mesh = pyvista.read(tmp_path / "one.vtu")
-    assert np.array_equal(mesh.points, points, equal_nan=True)
-    assert mesh.point_data[name].tolist() == [1, 0, 1]
-    assert list(mesh.field_data["text"]) == [name]
 
 
 def test_the_last_snapshot_is_read_back(series):
