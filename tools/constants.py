@@ -51,6 +51,7 @@ CHANGES: tuple[tuple[str, str, tuple[float, ...]], ...] = (
     ("solve.selection", "SLOW", (0.1, 0.5)),
     ("solve.springs", "MOST_ROUNDS", (4, 16)),
     ("solve.springs", "WORTHWHILE_GAIN", (0.01, 0.04)),
+    ("solve.springs", "LOST", (1e4, 1e8)),
     ("solve.minimise", "POOR", (1e-5, 1e-3)),
     ("solve.minimise", "FAIR", (0.1, 0.5)),
     ("solve.minimise", "RAISE", (4.0, 16.0)),
