@@ -94,8 +94,9 @@ def _accepted_before(folder: Path) -> int:
 
 
 def _look_rarely_for_cycles() -> None:
-    # Imports and pictures make many objects and hardly any cycles: looking for them takes a tenth of a short run.
-    gc.set_threshold(50_000)
+    # Imports and pictures make many objects, and a step leaves a few dozen in cycles: looking for them takes a tenth
+    # of a short run and frees nothing to speak of.
+    gc.set_threshold(1_000_000)
     atexit.register(gc.freeze)  # and none need to be found at the end
 
 

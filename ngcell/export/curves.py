@@ -60,7 +60,8 @@ def draw_curves(
     ):
         values = np.array([getattr(row, column) for row in rows], dtype=float)
         _draw(axes, load, values, label=column.replace("_", " "), colour=colour)
-        _ring(axes, load[refused], values[refused])
+        if refused.any():
+            _ring(axes, load[refused], values[refused])
     _scale(gaps, parted, load)
     if onset is not None:
         _mark_onset((gaps, parted), onset)

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 #: The two cells of a wall pair, and the plate displacement that opened it, NaN where none has.
 PairOnset = tuple[int, int, float]
 
+# Places of what is drawn, in shares of the figure: a layout that matplotlib has to find takes as long as all else.
+_SHARE, _CLUMPS_BELOW = (0.063, 0.545, 0.36, 0.41), (0.063, 0.105, 0.36, 0.41)
+_PLAN, _BAR = (0.455, 0.06, 0.44, 0.86), (0.91, 0.165, 0.0155, 0.67)
 _OPEN, _PARTED, _CLUMPS, _LARGEST, _CLOSED = "#1f5f8b", "#4a7a3a", "#b3361e", "#c98a1b", "#d5d9df"
 
 
@@ -58,9 +61,8 @@ def draw_debonding(
     name = "plate displacement"
     if not load.any():
         load, name = np.array([row.load_factor for row in rows]), "load factor"
-    figure = Figure(figsize=(10.4, 4.6), dpi=DPI, facecolor="white", layout="constrained")
-    grid = figure.add_gridspec(2, 2, width_ratios=(1, 1.25))
-    share, clumps, plan = (figure.add_subplot(place) for place in (grid[0, 0], grid[1, 0], grid[:, 1]))
+    figure = Figure(figsize=(10.4, 4.6), dpi=DPI, facecolor="white")
+    share, clumps, plan = (figure.add_axes(place) for place in (_SHARE, _CLUMPS_BELOW, _PLAN))
     _curve(share, load, [row.opened_share for row in rows], "length of open walls", _OPEN)
     _curve(share, load, [row.parted_pairs / max(len(pairs), 1) for row in rows], "parted wall pairs", _PARTED)
     _curve(clumps, load, [row.clumps for row in rows], "clumps of cells still joined", _CLUMPS)
@@ -68,7 +70,8 @@ def draw_debonding(
     for axes, label in ((share, "share of all"), (clumps, "number")):
         style_axes(axes)
         axes.set_ylabel(label, color=INK)
-        axes.set_ylim(bottom=0)
+        axes.yaxis.set_label_coords(-0.115, 0.5)
+        axes.set_ylim(0, 1.05 * axes.get_ylim()[1])
         axes.legend(frameon=False, fontsize=9, labelcolor=INK)
     share.tick_params(labelbottom=False)
     clumps.set_xlabel(name, color=INK)
@@ -106,11 +109,11 @@ def _draw_plan(figure: Figure, axes: Axes, pairs: Sequence[PairOnset], cells: Gr
     dots = np.where(layer[first] < layer[second], first, second)[~level]
     axes.scatter(*place[dots].T, s=90, color=colour[~level])
     drawn = np.concatenate([lines[level].reshape(-1, 2), place[dots]])
-    axes.set(xlim=_limits(drawn[:, 0]), ylim=_limits(drawn[:, 1]), aspect="equal", xticks=[], yticks=[])
-    axes.spines[:].set_visible(False)
+    axes.set(xlim=_limits(drawn[:, 0]), ylim=_limits(drawn[:, 1]), aspect="equal")
+    axes.set_axis_off()
     axes.set_title(f"{int(opened.sum())} of {len(pairs)} wall pairs opened", fontsize=10.5, color=INK)
     if opened.any():
-        bar = figure.colorbar(shown, ax=axes, shrink=0.8)
+        bar = figure.colorbar(shown, cax=figure.add_axes(_BAR))
         bar.set_label("opened at", color=INK)
         bar.outline.set(edgecolor=SOFT_INK, linewidth=0.8)
 

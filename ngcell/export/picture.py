@@ -7,6 +7,7 @@ only outside the tissue and in open gaps: lumens are tinted, so that a gap is no
 from __future__ import annotations
 
 import io
+import zlib
 from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
@@ -79,7 +80,7 @@ def save_png(figure: Figure, path: Path) -> Path:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     image = io.BytesIO()
-    FigureCanvasAgg(figure).print_png(image)
+    FigureCanvasAgg(figure).print_png(image, pil_kwargs={"compress_type": zlib.Z_RLE})  # flat colours: runs of bytes
     replace_file(Path(path), image.getvalue())
     return Path(path)
 
