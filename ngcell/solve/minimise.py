@@ -78,7 +78,8 @@ class Minimiser:
     energy_scale : float
         An energy beside which that of an undeformed state is nothing: a modulus times the volume [energy].
     most_iterations : int
-        Limit of one minimisation.
+        Limit of one minimisation. Where rows of cells slide past others at once, it takes some hundreds; one that only
+        goes to and fro is told much earlier.
     clock : Clock
         Where the seconds are added up.
     """
@@ -86,7 +87,7 @@ class Minimiser:
     problem: Problem
     longest_step: float
     energy_scale: float
-    most_iterations: int = 200
+    most_iterations: int = 1000
     clock: Clock = field(default_factory=Clock)
     effort: Effort = field(default_factory=Effort)
     _matrix: Matrix | None = None
