@@ -350,7 +350,8 @@ def markdown(rows: list[dict[str, Any]], title: str) -> str:
     """Return rows as a Markdown table; numbers are cut to what tells them apart."""
     names = [name for name in rows[0] if name not in _CSV_ONLY]
     lines = ["| " + " | ".join(names) + " |", "|" + "---|" * len(names)]
-    lines += ["| " + " | ".join(_short(line[name]) for name in names) + " |" for line in rows]
+    shown = ((str(line[name]) if name == "code" else _short(line[name]) for name in names) for line in rows)
+    lines += ["| " + " | ".join(entries) + " |" for entries in shown]
     return "\n".join((f"## {title}", "", *lines, ""))
 
 
