@@ -48,6 +48,7 @@ CHANGES: tuple[tuple[str, str, tuple[float, ...]], ...] = (
     ("solve.selection", "ON_THE_WAY", (1e-3, 0.1)),
     ("solve.selection", "AT_THE_END", (1e-12, 1e-8)),
     ("solve.selection", "UPDATE", (0.05, 0.2)),
+    ("solve.selection", "CHATTER", (100, 400)),
     ("solve.selection", "SLOW", (0.1, 0.5)),
     ("solve.springs", "MOST_ROUNDS", (4, 16)),
     ("solve.springs", "WORTHWHILE_GAIN", (0.01, 0.04)),

@@ -78,8 +78,7 @@ class Minimiser:
     energy_scale : float
         An energy beside which that of an undeformed state is nothing: a modulus times the volume [energy].
     most_iterations : int
-        Limit of one minimisation. Where rows of cells slide past others at once, it takes some hundreds; one that only
-        goes to and fro is told much earlier.
+        Limit of one minimisation. Where rows of cells slide past others at once, it takes some hundreds.
     clock : Clock
         Where the seconds are added up.
     """
@@ -93,13 +92,16 @@ class Minimiser:
     _matrix: Matrix | None = None
     _near_at: Array | None = None
 
-    def minimise(self, start: Array, tether: Tether, tolerance: float = 0.0) -> Minimum:
-        """Descend from `start` until the Newton decrement is below `tolerance` [energy], or lost in round-off."""
+    def minimise(self, start: Array, tether: Tether, tolerance: float = 0.0, most: int | None = None) -> Minimum:
+        """Descend from `start` until the Newton decrement is below `tolerance` [energy], or lost in round-off.
+
+        It ends after `most` iterations, by default `most_iterations`.
+        """
         state, shift, decrement = self._at(start), 0.0, float("inf")
         lowest, idle = decrement, 0
         if not np.isfinite(state.energy):
             return Minimum(state, Ending.NO_ENERGY, decrement, tether)
-        for _ in range(self.most_iterations):
+        for _ in range(most or self.most_iterations):
             self.effort.iterations += 1
             advance = self._descend(state, tether, shift, tolerance)
             if advance is None:

@@ -54,6 +54,8 @@ UPDATE = 0.1
 #: Share of the longest step by which conditions of contact and fluids may be missed at the end, and the most updates
 #: to get there.
 CONDITION, MOST_UPDATES = 1e-12, 40
+#: Iterations of one minimisation that are chatter, on the last stretch and between updates of conditions.
+CHATTER = 200
 #: Share of what was missed before above which an update was slow.
 SLOW = 0.25
 #: Share of the energy that is nothing: a decrement on the way, or what is missed where updates hardly help, as slivers
@@ -123,7 +125,8 @@ class Release:
         if instead is None:
             return minimum
         _log.info("the path ends at %.0e", instead.strength)
-        minimum, _ = self._minimise(minimisers[-1], instead.place, anchor, instead.strength, AT_THE_END)
+        most = max(CHATTER, instead.way)
+        minimum, _ = self._minimise(minimisers[-1], instead.place, anchor, instead.strength, AT_THE_END, most=most)
         if not minimum.is_found:
             return minimum
         return until_conditions_hold(minimisers[-1], minimum, minimisers[-1].longest_step, instead.strength)
@@ -140,7 +143,8 @@ class Release:
             if enough is None and len(rest) == 1 and self.last < strength <= ENOUGH:
                 enough = _Enough(place, strength, way)
             share, least = (AT_THE_END, 0.0) if is_end else (ON_THE_WAY, NOTHING * abs(energy))
-            minimum, effort = self._minimise(minimiser, place, anchor, strength, share, max(UPDATE * missed, least))
+            least, most = max(UPDATE * missed, least), CHATTER if enough else None
+            minimum, effort = self._minimise(minimiser, place, anchor, strength, share, least, most)
             way += effort.iterations
             if minimum.ending is Ending.STALLED and strength > STIFFEN_AT and not may_stall:
                 minimum = replace(minimum, ending=Ending.NO_DESCENT)
@@ -168,10 +172,17 @@ class Release:
         return Tether(self.scale * self.last, anchor)
 
     def _minimise(
-        self, minimiser: Minimiser, start: Array, anchor: Array, strength: float, share: float, enough: float = 0.0
+        self,
+        minimiser: Minimiser,
+        start: Array,
+        anchor: Array,
+        strength: float,
+        share: float,
+        enough: float = 0.0,
+        most: int | None = None,
     ) -> tuple[Minimum, Effort]:
         """Return the minimum under a tether of this strength, in units of the scale, and what it took."""
-        return _minimise(minimiser, start, Tether(self.scale * strength, anchor), share, strength, enough)
+        return _minimise(minimiser, start, Tether(self.scale * strength, anchor), share, strength, enough, most)
 
 
 def until_conditions_hold(
@@ -193,7 +204,7 @@ def until_conditions_hold(
             minimiser.problem.hasten()
         before = missed
         start, tolerance = minimum.state.displacement, UPDATE * energy
-        minimum, _ = _minimise(minimiser, start, minimum.tether, AT_THE_END, name, tolerance)
+        minimum, _ = _minimise(minimiser, start, minimum.tether, AT_THE_END, name, tolerance, CHATTER)
         if not minimum.is_found:
             return minimum
         chatters = minimum.ending is Ending.STALLED
@@ -213,10 +224,16 @@ def _without_round_off(place: Array, minimiser: Minimiser) -> Array:
 
 
 def _minimise(
-    minimiser: Minimiser, start: Array, tether: Tether, share: float, name: float, enough: float = 0.0
+    minimiser: Minimiser,
+    start: Array,
+    tether: Tether,
+    share: float,
+    name: float,
+    enough: float = 0.0,
+    most: int | None = None,
 ) -> tuple[Minimum, Effort]:
     before = minimiser.effort.copy()
-    minimum = minimiser.minimise(start, tether, max(share * minimiser.tether_energy(start, tether), enough))
+    minimum = minimiser.minimise(start, tether, max(share * minimiser.tether_energy(start, tether), enough), most)
     spent = minimiser.effort - before
     _log.info(
         "tether %.0e: %s, %d iterations, %d factorisations, %d refused, energy %.8e, decrement %.0e",
