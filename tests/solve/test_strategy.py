@@ -16,7 +16,7 @@ from ngcell.solve.minimum import Ending, Minimum, Tether
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.released import Released
 from ngcell.solve.sddp import compact_then_released
-from ngcell.solve.selection import Release
+from ngcell.solve.selection import CHATTER, ENOUGH, Release
 from ngcell.solve.single_step import single_step
 from ngcell.solve.step import MOST_HALVINGS, Accepted, StepFailed
 from tests.tissues import LAW, SmallTissue, small_tissue
@@ -149,6 +149,14 @@ def test_strengths_fall_from_first_to_last(first, last):
     assert (decades >= -1e-12).all() and (decades <= 1 + 1e-9).all()
 
 
+def test_only_the_last_stretch_is_cut_short_where_it_chatters():
+    fake = FakeMinimiser(stride=np.inf)
+    Release(1.0).select(FakeMinimiser(stride=np.inf), (fake,), np.zeros(1), np.zeros(1))
+    strengths, limits = np.array(fake.strengths), np.array(fake.limits)
+    assert (limits[strengths < ENOUGH / 2] == CHATTER).all() and (strengths < ENOUGH / 2).any()
+    assert (limits[strengths > 2 * ENOUGH] == None).all()  # noqa: E711
+
+
 @dataclass
 class FakeMinimiser:
     """Finds an equilibrium when the load has grown by no more than `stride` since the last one."""
@@ -159,6 +167,7 @@ class FakeMinimiser:
     reached: float = 0.0
     asked: list[float] = field(default_factory=list)
     strengths: list[float] = field(default_factory=list)
+    limits: list[int | None] = field(default_factory=list)
 
     problem = SimpleNamespace(
         free=np.ones(1, dtype=bool),
@@ -167,10 +176,13 @@ class FakeMinimiser:
         follow=lambda other, state: None,
     )
 
-    def minimise(self, start: np.ndarray, tether: Tether, tolerance: float = 0.0) -> Minimum:
+    def minimise(
+        self, start: np.ndarray, tether: Tether, tolerance: float = 0.0, most: int | None = None
+    ) -> Minimum:
         goal = float(start[0])
         self.asked.append(goal)
         self.strengths.append(tether.strength)
+        self.limits.append(most)
         self.effort.iterations += 1
         found = goal - self.reached <= self.stride + 1e-12
         self.reached = goal if found else self.reached
