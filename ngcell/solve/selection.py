@@ -116,7 +116,7 @@ class Release:
             equilibrium, and a smaller load step would not have come there.
         """
         # Down to round-off, and then cut, so that whatever the start, the walk goes on from the same place.
-        minimum, _ = self._minimise(apart, start, anchor, self.first, 0.0)
+        minimum, _ = _minimise(apart, start, self._tether(self.first, anchor), 0.0, self.first)
         for minimiser in minimisers:
             minimiser.forget_matrix()
         if not minimum.is_found:
@@ -125,8 +125,8 @@ class Release:
         if instead is None:
             return minimum
         _log.info("the path ends at %.0e", instead.strength)
-        most = max(CHATTER, instead.way)
-        minimum, _ = self._minimise(minimisers[-1], instead.place, anchor, instead.strength, AT_THE_END, most=most)
+        tether, most = self._tether(instead.strength, anchor), max(CHATTER, instead.way)
+        minimum, _ = _minimise(minimisers[-1], instead.place, tether, AT_THE_END, instead.strength, most=most)
         if not minimum.is_found:
             return minimum
         return until_conditions_hold(minimisers[-1], minimum, minimisers[-1].longest_step, instead.strength)
@@ -144,7 +144,8 @@ class Release:
                 enough = _Enough(place, strength, way)
             share, least = (AT_THE_END, 0.0) if is_end else (ON_THE_WAY, NOTHING * abs(energy))
             least, most = max(UPDATE * missed, least), CHATTER if enough else None
-            minimum, effort = self._minimise(minimiser, place, anchor, strength, share, least, most)
+            tether = self._tether(strength, anchor)
+            minimum, effort = _minimise(minimiser, place, tether, share, strength, least, most)
             way += effort.iterations
             if minimum.ending is Ending.STALLED and strength > STIFFEN_AT and not may_stall:
                 minimum = replace(minimum, ending=Ending.NO_DESCENT)
@@ -169,20 +170,11 @@ class Release:
 
     def last_tether(self, anchor: Array) -> Tether:
         """Return the tether at the path's end."""
-        return Tether(self.scale * self.last, anchor)
+        return self._tether(self.last, anchor)
 
-    def _minimise(
-        self,
-        minimiser: Minimiser,
-        start: Array,
-        anchor: Array,
-        strength: float,
-        share: float,
-        enough: float = 0.0,
-        most: int | None = None,
-    ) -> tuple[Minimum, Effort]:
-        """Return the minimum under a tether of this strength, in units of the scale, and what it took."""
-        return _minimise(minimiser, start, Tether(self.scale * strength, anchor), share, strength, enough, most)
+    def _tether(self, strength: float, anchor: Array) -> Tether:
+        """Return a tether of this strength in units of the scale."""
+        return Tether(self.scale * strength, anchor)
 
 
 def until_conditions_hold(
