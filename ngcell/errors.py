@@ -5,7 +5,7 @@
     NgcellError                 an error that names the thing, the value, the limit and the remedy
     ├── CaseError               the case cannot be simulated as written                      exit 3
     │   └── GeometryError       its shape cannot be built or meshed                          exit 3
-    ├── NotConverged            the walk along the load path ended early                     exit 4
+    ├── NotConverged            the load stepping ended early                     exit 4
     ├── OutputError             results cannot be written to, or read from, a folder         exit 4
     └── DependencyError         an installed library is missing or cannot do what is needed  exit 4
 
@@ -35,7 +35,7 @@ class GeometryError(CaseError):
 
 
 class NotConverged(NgcellError):  # noqa: N818 - named as what is reported, not as a mistake
-    """The walk along the load path ended before the last level.
+    """The load stepping ended before the last level.
 
     Parameters
     ----------

@@ -14,22 +14,22 @@ import ngsolve
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from ngcell.build.memory import entry_count, foreseen_memory, solver_name
+from ngcell.build.observation import Step
+from ngcell.build.penalty_error import check_has_penalty, stiffer_result
+from ngcell.build.simulation import Simulation
+from ngcell.build.checkpoint import Checkpoint
 from ngcell.clock import Clock
-from ngcell.contact.facing import count_corners
+from ngcell.contact.pairing.facing import count_corners
 from ngcell.errors import CaseError, NotConverged, OutputError
 from ngcell.export import Restart, ResultFolder, cannot_resume, read_restart, read_summary
-from ngcell.footprint import entry_count, foreseen_memory, solver_name
-from ngcell.observation import Step
 from ngcell.results.certificate import MEANING, worst
 from ngcell.results.growth import growth_onset
 from ngcell.results.record import StepRecord
 from ngcell.results.report import StepReport
 from ngcell.scene import AnyCase, BodyScene, read_case, resolved_toml
-from ngcell.simulation import Simulation
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.step import StepFailed
-from ngcell.standing import Standing
-from ngcell.verification import check_has_penalty, stiffer_result
 
 #: Below this number of unknowns a second thread costs more than it saves.
 _UNKNOWNS_FOR_THREADS = 50_000
@@ -95,11 +95,11 @@ class Recording:
         started = perf_counter()
         with ResultFolder(self._out, case_text=resolved_toml(self._case), restart=self._restart) as folder:
             simulation = Simulation(self._case, clock)
-            standing = self._standing(simulation)
+            checkpoint = self._checkpoint(simulation)
             outcome, message, verified = None, "", None
             with _threads(self._threads, simulation.space.unknowns):
                 try:
-                    for step in simulation.walk(standing):
+                    for step in simulation.accepted_steps(checkpoint):
                         with clock.phase("output"):
                             folder.accept(
                                 step.record,
@@ -107,7 +107,7 @@ class Recording:
                                 step.snapshot,
                                 step.cells,
                                 report=step.report,
-                                standing=step.standing.arrays(),
+                                checkpoint=step.checkpoint.arrays(),
                             )
                         steps.append(step.report)
                         yield step.record
@@ -126,14 +126,14 @@ class Recording:
         if outcome is not None:
             raise NotConverged(message, outcome=outcome.name, record_count=len(steps))
 
-    def _standing(self, simulation: Simulation) -> Standing:
-        """Return where the walk starts."""
+    def _checkpoint(self, simulation: Simulation) -> Checkpoint:
+        """Return where the continuation starts."""
         if self._restart is None:
-            return Standing()
+            return Checkpoint()
         try:
-            return Standing.from_arrays(self._restart.standing, simulation.space.unknowns)
+            return Checkpoint.from_arrays(self._restart.checkpoint, simulation.space.unknowns)
         except (ValueError, KeyError, TypeError) as error:
-            raise cannot_resume(self._out, f"what the walk stood at does not fit the case ({error})") from error
+            raise cannot_resume(self._out, f"what the continuation stood at does not fit the case ({error})") from error
 
     def _verified(self, steps: list[StepReport]) -> dict[str, Any] | None:
         if not self._verify_penalty:
@@ -151,9 +151,7 @@ class Recording:
         self.outcome = (failure or ended).value if as_expected or not in_balance else _NOT_AS_EXPECTED
 
 
-def record(
-    case: AnyCase, out: Path, *, threads: int | None = None, verify_penalty: bool = False
-) -> Recording:
+def record(case: AnyCase, out: Path, *, threads: int | None = None, verify_penalty: bool = False) -> Recording:
     """Return a run of a case into a result folder; iterate over it to run it."""
     return Recording(case, out, threads=threads, verify_penalty=verify_penalty)
 
@@ -196,7 +194,7 @@ def simulate(scene: AnyCase | BodyScene) -> list[Step]:
     try:
         simulation = Simulation(scene)
         with _threads(None, simulation.space.unknowns):
-            steps.extend(simulation.walk())
+            steps.extend(simulation.accepted_steps())
     except StepFailed as failure:
         raise NotConverged(
             f"at load factor {failure.load_factor:.6g}: {failure.outcome.value}",
@@ -223,7 +221,7 @@ def inspect(case: AnyCase) -> dict[str, Any]:
         "three_cell_corners": count_corners(simulation.walls),
         "largest_initial_gap": float(gap.max(initial=0.0)),
         "largest_initial_overlap": float(max(0.0, -gap.min(initial=0.0))),
-        "spring_stiffness": [float(f(assembly.contact.stiffness)) for f in (np.min, np.max)],
+        "penalty_stiffness": [float(f(assembly.contact.stiffness)) for f in (np.min, np.max)],
         "levels": list(case.level_factors),
         "matrix_entries": entries,
         "solver": solver,
@@ -242,16 +240,11 @@ def _summary(
         "outcome": outcome,
         "certified": certified,
         "certificate": {
-            name: {"worst": check.value, "limit": check.limit, "passed": check.passed}
-            for name, check in checks.items()
+            name: {"worst": check.value, "limit": check.limit, "passed": check.passed} for name, check in checks.items()
         },
         "meaning_of_checks": MEANING,
         "expected": [finding.table() for step in steps for finding in step.findings],
-        "failed_steps": {
-            step.record.step: step.certificate.failures
-            for step in steps
-            if not step.record.certified
-        },
+        "failed_steps": {step.record.step: step.certificate.failures for step in steps if not step.record.certified},
         "accepted_steps": len(steps),
         "bodies": simulation.bodies.body_count,
         "unknowns": simulation.space.unknowns,

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from ngcell.observation import Step
+from ngcell.build.observation import Step
+from ngcell.build.simulation import Simulation
 from ngcell.scene import Case
-from ngcell.simulation import Simulation
 
 MATERIAL = {"kind": "mooney-rivlin", "c1": 1.0, "c2": 1.0, "bulk_modulus": 100.0}
 SOFT = {"kind": "mooney-rivlin", "c1": 0.05, "c2": 0.05, "bulk_modulus": 10.0}
@@ -22,4 +22,4 @@ def case(height: float | None, *, ends: str | None = None, **parts: Any) -> Case
 
 
 def last_step(scene: Case) -> Step:
-    return list(Simulation(scene).walk())[-1]
+    return list(Simulation(scene).accepted_steps())[-1]

@@ -8,11 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.assembly import Assembly
-from ngcell.contact.penalty import PenaltyContact, penalty_stiffness
-from ngcell.contact.state import Linearisation
-from ngcell.contact.tie import Tie, tie_walls
-from ngcell.contact.walls import Walls, find_walls
+from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
+from ngcell.contact.surface.walls import Walls, find_walls
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.lattice import Lattice, hexagonal_lattice
 from ngcell.geometry.rings import ring_mesh
@@ -20,6 +17,9 @@ from ngcell.mechanics.bulk import BulkEnergy
 from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
+from ngcell.problem.assembly import Assembly
+from ngcell.problem.state import Linearisation
+from ngcell.problem.tie import Tie, tie_walls
 from ngcell.solve.minimise import Minimiser
 
 Array = NDArray[np.float64]
@@ -60,7 +60,7 @@ class SmallTissue:
         return Assembly(self.space, self.bulk, self.motion.fixed, contact=self.contact)
 
     @cached_property
-    def compact(self) -> Assembly:
+    def tied(self) -> Assembly:
         return Assembly(self.space, self.bulk, self.motion.fixed, tie=self.tie)
 
     @property
@@ -74,14 +74,14 @@ class SmallTissue:
     def positions(self, displacement: Array) -> Array:
         return self.space.rest + displacement.reshape(2, -1)
 
-    def rigid_motion(self, angle: float, shift: tuple[float, float] = (0.0, 0.0)) -> Array:
+    def rigid_motion(self, angle: float, translation: tuple[float, float] = (0.0, 0.0)) -> Array:
         """Displacement of a rotation about the origin and a translation after it."""
-        return self.space.affine(rotation(angle) - np.eye(2), np.array(shift)).ravel()
+        return self.space.affine(rotation(angle) - np.eye(2), np.array(translation)).ravel()
 
-    def body_shift(self, body: int, shift: Array) -> Array:
+    def body_translation(self, body: int, translation: Array) -> Array:
         """Displacement that moves one body and leaves the others."""
         member = (self.space.body_of_unknown == body) * self.space.one
-        return (np.asarray(shift)[:, None] * member).ravel()
+        return (np.asarray(translation)[:, None] * member).ravel()
 
     def smooth(self, amplitude: float, seed: int) -> Array:
         """A random displacement, smooth over each body, that bends walls."""
@@ -108,33 +108,33 @@ def small_tissue(
     edges: int = 2,
     wall: float = 0.2,
     radius: float = 0.0,
-    travel: tuple[float, float] = (0.0, 0.0),
+    prescribed_displacement: tuple[float, float] = (0.0, 0.0),
     pointy: bool = True,
     supports: dict[str, NDArray[np.bool_]] | None = None,
 ) -> SmallTissue:
-    """Cells between plates: the regions ``low``, held, and ``high``, moved by `travel`; or other supports."""
+    """Cells between plates: the regions ``low``, held, and ``high``, moved by `prescribed displacement`; or other supports."""
     lattice = hexagonal_lattice(rows, cols, side=1.0, pointy=pointy)
     if supports is None:
         supports = {"low": lattice.hull_walls(0, -1), "high": lattice.hull_walls(rows - 1, 1)}
     bodies = ring_mesh(lattice, wall=wall, radius=radius, edges=edges, layers=1, supports=supports)
     space = DisplacementSpace(bodies, order)
-    return SmallTissue(lattice, bodies, space, plates(space, supports, np.array(travel)))
+    return SmallTissue(lattice, bodies, space, plates(space, supports, np.array(prescribed_displacement)))
 
 
-def plates(space: DisplacementSpace, regions: dict[str, NDArray], travel: Array) -> PrescribedMotion:
-    """The first region is held, the others move; the carried field grows in proportion along the way."""
+def plates(space: DisplacementSpace, regions: dict[str, NDArray], prescribed_displacement: Array) -> PrescribedMotion:
+    """The first region is held, the others move; the lifting grows in proportion along the way."""
     still = np.zeros((2, 2))
-    shifts = [np.zeros(2), *[travel] * (len(regions) - 1)]
-    held = [Support(name, still, shift) for name, shift in zip(regions, shifts, strict=True)]
+    translations = [np.zeros(2), *[prescribed_displacement] * (len(regions) - 1)]
+    held = [Support(name, still, translation) for name, translation in zip(regions, translations, strict=True)]
     if len(held) < 2:
         return PrescribedMotion(space, held)
     low, high = (space.rest[:, _vertices(space, name)].mean(1) for name in list(regions)[:2])
     way = (high - low) / ((high - low) @ (high - low))
 
-    def carried(at: Array) -> Array:
-        return travel[:, None] * np.clip(way @ (at - low[:, None]), 0, 1)
+    def lifting(at: Array) -> Array:
+        return prescribed_displacement[:, None] * np.clip(way @ (at - low[:, None]), 0, 1)
 
-    return PrescribedMotion(space, held, carried)
+    return PrescribedMotion(space, held, lifting)
 
 
 def _vertices(space: DisplacementSpace, region: str) -> NDArray[np.int64]:
@@ -143,7 +143,7 @@ def _vertices(space: DisplacementSpace, region: str) -> NDArray[np.int64]:
 
 
 def dense_stiffness(problem: Assembly, line: Linearisation) -> Array:
-    """The whole tangent as a full matrix: bulk, curvature of the contacts, springs of closed ones."""
+    """The whole tangent as a full matrix: bulk, curvature of the contacts, penalty terms of closed ones."""
     rows, columns = problem.pattern
     size = len(problem.free)
     matrix = np.zeros((size, size))
@@ -152,5 +152,5 @@ def dense_stiffness(problem: Assembly, line: Linearisation) -> Array:
     if line.curvature is not None:
         matrix += line.curvature.toarray()
         closed = line.jacobian[np.flatnonzero(line.gap < 0)].toarray()
-        matrix += closed.T @ (line.spring[line.gap < 0][:, None] * closed)
+        matrix += closed.T @ (line.penalty[line.gap < 0][:, None] * closed)
     return matrix

@@ -47,7 +47,7 @@ def listed() -> list[tuple[str, str, tuple[str, ...]]]:
 
 
 def run_behind(case: str, settings: str, strategy: str) -> Run:
-    """Return the run; with cohesion it has all levels of the case, or each second where they do not hang together."""
+    """Return the run; with cohesion it has all levels of the case, or each second where they do not are connected."""
     if case != "shear-cohesive":
         return run_of("5x7", case, settings, strategy)
     levels = ("load.levels=4",) if strategy == "sddp" else ()
@@ -86,8 +86,12 @@ def write_page() -> None:
     for row in sorted(tables.read(TABLE), key=lambda row: order.index(tuple(row[key] for key in KEYS))):
         cells = [f"{float(row[key]):.4g}" if key in numbers and row[key] else row[key] for key in columns]
         lines.append("| " + " | ".join(cells) + " |")
-    PAGE.write_text("# Certificates of the 5x7 tissue\n\n`python tools/certify.py`; the last step of each run\n\n"
-                    + "\n".join(lines) + "\n", encoding="utf-8")
+    PAGE.write_text(
+        "# Certificates of the 5x7 tissue\n\n`python tools/certify.py`; the last step of each run\n\n"
+        + "\n".join(lines)
+        + "\n",
+        encoding="utf-8",
+    )
 
 
 @click.command(help=__doc__)

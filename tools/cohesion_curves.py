@@ -28,7 +28,7 @@ RUNS = [("sddp", 0.0), *((strategy, strength) for strategy in BOTH for strength 
 COLOURS = ("#8a8f98", "#4a7a3a", "#1f5f8b", "#b3361e")
 
 
-def walked(strategy: str, strength: float) -> list[dict[str, object]]:
+def followed(strategy: str, strength: float) -> list[dict[str, object]]:
     """Run once, and return the rows of its released steps."""
     if strength:
         run = run_behind("shear-cohesive", bonded(strength), strategy)
@@ -65,7 +65,7 @@ def main() -> None:
     for strategy, strength in RUNS:
         if any((row["strategy"], float(row["strength"])) == (strategy, strength) for row in tables.read(TABLE)):
             continue
-        tables.append(TABLE, COLUMNS, walked(strategy, strength))
+        tables.append(TABLE, COLUMNS, followed(strategy, strength))
     draw()
 
 

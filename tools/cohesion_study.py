@@ -17,7 +17,7 @@ import tables
 from threadpoolctl import threadpool_limits
 
 import ngcell
-from ngcell.simulation import Simulation
+from ngcell.build.simulation import Simulation
 
 TABLE = Path(__file__).resolve().parent / "results" / "cohesion.csv"
 KEYS = ("case", "strength", "energy", "size", "steps")
@@ -33,7 +33,7 @@ def measured(case: str, strength: float, energy: float, size: float, steps: int)
     """Run once, and return the row."""
     sets = [f"cohesion.strength={strength}", f"cohesion.energy={energy}", "strategy.kind=single-step"]
     sets += [f"mesh.size={size}", f"strategy.steps={steps}"]
-    records = [step.record for step in Simulation(ngcell.read_case(case, sets)).walk()]
+    records = [step.record for step in Simulation(ngcell.read_case(case, sets)).accepted_steps()]
     last, top = records[-1], max(records, key=lambda record: record.plate_force_x)
     return {
         "case": case,

@@ -15,8 +15,8 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 import ngcell
-from ngcell.contact.walls import WallPoints
-from ngcell.simulation import Simulation
+from ngcell.build.simulation import Simulation
+from ngcell.contact.surface.walls import WallPoints
 
 #: Places on each edge at which pressures are compared.
 PLACES = np.linspace(0.01, 0.99, 9)
@@ -44,7 +44,7 @@ def main(rows: int, cols: int, wall: float, pressure: float, ratio: float, conta
     )
     simulation = Simulation(case)
     with threadpool_limits(1):
-        (step,) = simulation.walk()
+        (step,) = simulation.accepted_steps()
     edge = np.unique(simulation.scene.facing.edge)
     points = WallPoints(np.repeat(edge, len(PLACES)), np.tile(PLACES, len(edge)), np.zeros(len(PLACES) * len(edge)))
     found = simulation.released.contact.pressures(simulation.released.positions(step.displacement), points) / pressure

@@ -1,4 +1,4 @@
-"""What results hang on: the solver's own numbers, each halved and doubled or more, beside what they do to four scenes.
+"""What results depend on: the solver's own numbers, each halved and doubled or more, beside what they do to four scenes.
 
     python -m tools.constants [--only TEXT]
 
@@ -50,9 +50,9 @@ CHANGES: tuple[tuple[str, str, tuple[float, ...]], ...] = (
     ("solve.selection", "UPDATE", (0.05, 0.2)),
     ("solve.selection", "CHATTER", (100, 400)),
     ("solve.selection", "SLOW", (0.1, 0.5)),
-    ("solve.springs", "MOST_ROUNDS", (4, 16)),
-    ("solve.springs", "WORTHWHILE_GAIN", (0.01, 0.04)),
-    ("solve.springs", "LOST", (1e4, 1e8)),
+    ("solve.penalty terms", "MOST_ROUNDS", (4, 16)),
+    ("solve.penalty terms", "WORTHWHILE_GAIN", (0.01, 0.04)),
+    ("solve.penalty terms", "LOST", (1e4, 1e8)),
     ("solve.minimise", "POOR", (1e-5, 1e-3)),
     ("solve.minimise", "FAIR", (0.1, 0.5)),
     ("solve.minimise", "RAISE", (4.0, 16.0)),
@@ -77,15 +77,15 @@ _FIELDS = {"LAST": "last", "NARROWEST": "narrowest"}
 def changed(module: str, name: str, value: float) -> Iterator[None]:
     """Put a value in place of a number of the package."""
     places = [place for place in (import_module(f"ngcell.{module}"), simulation) if hasattr(place, name)]
-    before, path = getattr(places[0], name), simulation.Release
+    before, path = getattr(places[0], name), simulation.Continuation
     for place in places:
         setattr(place, name, value)
     if name in _FIELDS:
-        simulation.Release = partial(path, **{_FIELDS[name]: value})
+        simulation.Continuation = partial(path, **{_FIELDS[name]: value})
     try:
         yield
     finally:
-        simulation.Release = path
+        simulation.Continuation = path
         for place in places:
             setattr(place, name, before)
 
@@ -93,7 +93,7 @@ def changed(module: str, name: str, value: float) -> Iterator[None]:
 def run(scene: str) -> dict[str, float]:
     """Return energy, plate force and iterations of a scene; nothing if it found no equilibrium."""
     try:
-        *_, step = simulation.Simulation(ngcell.read_case("shear-empty-3x3", SCENES[scene])).walk()
+        *_, step = simulation.Simulation(ngcell.read_case("shear-empty-3x3", SCENES[scene])).accepted_steps()
     except (NgcellError, StepFailed):
         return {}
     record = step.record
@@ -144,7 +144,7 @@ def main(only: str) -> None:
         writer.writerows(rows)
     heads = "; ".join(f"{scene} {found['energy']:.6e}" for scene, found in as_it_is.items())
     (RESULTS / "constants.md").write_text(
-        f"# What results hang on\n\n{date.today()}, {os.cpu_count()} cores. `python -m tools.constants` makes this: "
+        f"# What results depend on\n\n{date.today()}, {os.cpu_count()} cores. `python -m tools.constants` makes this: "
         "3x3 tissues, each number of the solver changed by itself.\nEnergies and plate forces are relative changes, "
         f"iterations a ratio. Energies as it is: {heads}.\n\n{table(rows)}\n"
     )

@@ -1,4 +1,4 @@
-"""Run the cases that carry expected numbers, and show what was measured beside them.
+"""Run the cases that have expected numbers, and show what was measured beside them.
 
     python tools/expected.py [CASE ...]       all shipped cases with expected numbers, or these
 
@@ -22,7 +22,7 @@ from ngcell.scene import read_case, shipped_cases
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
 @click.argument("names", nargs=-1, metavar="[CASE]...")
 def main(names: tuple[str, ...]) -> None:
-    """Run the cases that carry expected numbers, and show what was measured beside them."""
+    """Run the cases that have expected numbers, and show what was measured beside them."""
     chosen = names or [name for name in shipped_cases() if read_case(name).expected]
     table = Table("case", "quantity", "on", "load", "measured", "expected", "deviation", "tolerance", "seconds")
     for column in table.columns[3:]:

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 _CORNER = "Cells whose outer walls are held meet at acute corners; single points there sink in by over 2 % of the wall."
-_BUCKLED = "The compact solid buckles between two levels, and what its work loses then is not stored."
+_BUCKLED = "The tied solid buckles between two levels, and what its work loses then is not stored."
 _BETWEEN = (
     "Beside corners of three cells, between the points that contact is asked at, a pressure above the shear modulus "
-    "gains more by pushing walls into each other than that costs them; a first tether a hundred times as strong does "
+    "gains more by pushing walls into each other than that costs them; a first proximal term a hundred times as strong does "
     "not help."
 )
 _GRADED = (
-    "Springs all over a body are as stiff as its thinnest layer of elements, here a thousandth of the others; they "
+    "Penalty terms all over a body are as stiff as its thinnest layer of elements, here a thousandth of the others; they "
     "open and close without end."
 )
 _SNAPS = (
-    "Walls of prisms that are bent or pressed this far buckle as the tether falls, and a snap takes more than the 200 "
+    "Walls of prisms that are bent or pressed this far buckle as the proximal term falls, and a snap takes more than the 200 "
     "iterations that a minimisation had when this map was made; with 600, bending ends at the next snap but one. With "
     "the thousand that it has since, the prisms pressed along their axis are certified."
 )

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import log, sqrt
 
-from tools import extreme_space
+from tools import extreme_solids
 from tools.extreme_scenes import MORTAR, PENALTY, WRONG, Case, blocks, burst, height, material, rings, tissue
 
 METHODS = {"penalty": PENALTY, "mortar": MORTAR}
@@ -405,5 +405,5 @@ def there_and_back() -> Iterator[Point]:
 
 def prisms() -> Iterator[Point]:
     """Prisms: flat and tall, thin and stiff, closed and turned."""
-    for setting, case, same_as in extreme_space.entries():
+    for setting, case, same_as in extreme_solids.entries():
         yield Point("prisms", setting, case, same_as=same_as)

@@ -3,7 +3,7 @@
     python -m tools.extreme_run CASE FOLDER [--tolerance 1.0]
 
 The result folder is that of any run, without pictures. The last line of output is a number: an estimate of the
-condition of the last tangent, tether and closed springs included, in the 2-norm. `--tolerance` multiplies the decrement
+condition of the last tangent, proximal term and closed penalty terms included, in the 2-norm. `--tolerance` multiplies the decrement
 at which equilibria end.
 """
 
@@ -21,12 +21,12 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 import ngcell
+from ngcell.build.simulation import Simulation
 from ngcell.errors import NgcellError, NotConverged
 from ngcell.export import ResultFolder, read_restart
 from ngcell.export.restart import RESTART
 from ngcell.scene import AnyCase
-from ngcell.simulation import Simulation
-from ngcell.solve import selection
+from ngcell.solve import continuation
 from ngcell.solve.minimise import TOUCHING
 
 Array = NDArray[np.float64]
@@ -37,8 +37,8 @@ _POWERS = 40
 def condition(case: AnyCase, displacement: Array) -> float:
     """Return an estimate of the condition of the released tangent about a displacement."""
     simulation = Simulation(case)
-    assembly, path = simulation.released, simulation.release_path
-    for load in filter(None, (simulation.blueprint.loads, simulation.blueprint.fluid)):
+    assembly, path = simulation.released, simulation.continuation
+    for load in filter(None, (simulation.discretisation.loads, simulation.discretisation.fluid)):
         load.apply(simulation.levels[-1])
     line = assembly.linearise(assembly.at(displacement))
     rows, columns = assembly.pattern
@@ -46,7 +46,7 @@ def condition(case: AnyCase, displacement: Array) -> float:
     matrix = lower + lower.T - sparse.diags_array(lower.diagonal())
     if line.curvature is not None:
         matrix = matrix + line.curvature
-    closed = np.where(line.gap <= TOUCHING * simulation.longest_step, line.spring, 0.0)
+    closed = np.where(line.gap <= TOUCHING * simulation.longest_step, line.penalty, 0.0)
     matrix = matrix + line.jacobian.T @ (sparse.diags_array(closed) @ line.jacobian)
     matrix = matrix + path.scale * path.last * assembly.mass
     free = np.flatnonzero(assembly.free)
@@ -69,13 +69,13 @@ def _largest(apply: Callable[[Array], Array], size: int) -> float:
 @click.option("--tolerance", default=1.0, help="Multiple of the decrement at which equilibria end.")
 def main(case: Path, folder: Path, tolerance: float) -> None:
     """Run CASE into FOLDER."""
-    selection.AT_THE_END *= tolerance
+    continuation.AT_THE_END *= tolerance
     ResultFolder.draw = lambda *_, **__: None  # pictures take longer than many of these runs
     last, code, scene = None, 0, ngcell.read_case(case)
     try:
         recording = ngcell.record(scene, folder, threads=1)
         for _ in recording:
-            last = read_restart(folder).standing if (folder / RESTART).exists() else last
+            last = read_restart(folder).checkpoint if (folder / RESTART).exists() else last
         code = 0 if recording.certified else NotConverged.exit_code
     except NgcellError as error:
         click.echo(str(error), err=True)

@@ -108,7 +108,7 @@ def blocks(
         ],
         "supports": [
             {"boundary": "base_bottom"},
-            {"boundary": "top_top", "shift": [0.0, -down - gap]},
+            {"boundary": "top_top", "translation": [0.0, -down - gap]},
         ],
         "contact": dict(contact),
         "mesh": {"order": 2},

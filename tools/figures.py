@@ -30,7 +30,7 @@ ROOT = Path(__file__).resolve().parent.parent
 TABLE = ROOT / "tools" / "results" / "figures.csv"
 COLUMNS = (
     "tissue", "case", "setting", "strategy", "pairs", "displacement", "largest_gap", "mean_gap", "parted_pairs",
-    "opened_share", "clumps", "largest_clump", "mean_pressure", "plate_force", "contact_force", "energy", "certified",
+    "opened_share", "components", "largest_component", "mean_pressure", "plate_force", "contact_force", "energy", "certified",
     "failures", "seconds",
 )  # fmt: skip
 #: Plate displacements, as shares of the last, which is a fifth of the tissue's height.
@@ -113,7 +113,7 @@ def run_of(tissue: str, case: str, setting: str, strategy: str) -> Run:
 def level_row(row: dict[str, str]) -> dict[str, str]:
     """Return the numbers of a level."""
     same = (
-        "largest_gap", "mean_gap", "parted_pairs", "opened_share", "clumps", "largest_clump", "contact_force", "energy",
+        "largest_gap", "mean_gap", "parted_pairs", "opened_share", "components", "largest_component", "contact_force", "energy",
         "certified", "seconds",
     )  # fmt: skip
     named = {"displacement": "plate_displacement", "plate_force": "plate_force_x"}

@@ -8,7 +8,7 @@ are the same. Where it is compared with finite strain, that makes a difference o
 falls with the load; what is left of the deviation as the load falls is that of the mesh. A half-width is known to an
 element, which is twice its value over the number of elements.
 
-Ends with 1 where, at the cases' load, half-width or peak of the nominal pressure, that for each length at rest, is
+Ends with 1 where, at the cases' load, half-width or peak of the nominal pressure, that per reference length, is
 further than 2 % from theory, or fewer than ten elements are in contact.
 """
 
@@ -97,8 +97,8 @@ def profile(problem: str, share: float, method: str) -> Profile:
     import ngsolve
 
     import ngcell
+    from ngcell.build.simulation import Simulation
     from ngcell.results.quantities import View
-    from ngcell.simulation import Simulation
 
     ngsolve.SetNumThreads(1)
     name, radius, (wall, _) = PROBLEMS[problem]
@@ -111,7 +111,7 @@ def profile(problem: str, share: float, method: str) -> Profile:
     case = case.model_copy(update={"mesh": mesh, "expected": ()})
     started = process_time()
     simulation = Simulation(case)
-    *_, step = simulation.walk()
+    *_, step = simulation.accepted_steps()
     seconds = process_time() - started
     state = simulation.released.at(step.displacement)
     view = View(simulation.released, state, simulation.motion, step.measurement.reaction)
@@ -149,7 +149,7 @@ def draw(profiles: list[Profile], path: Path) -> None:
         near = each.at < 1.3 * each.width
         x = np.linspace(0, each.width, 400)
         axes.plot(x, each.peak * np.sqrt(1 - (x / each.width) ** 2), "k-", lw=1, label="Hertz")
-        axes.plot(each.at[near][::7], each.nominal[near][::7], "C0o", ms=3, label="for each length at rest")
+        axes.plot(each.at[near][::7], each.nominal[near][::7], "C0o", ms=3, label="per reference length")
         axes.plot(each.at_deformed[near][::7], each.true[near][::7], "C1.", ms=3, label="for each deformed length")
         width, peak = each.deviations("nominal")
         axes.set_title(f"{each.problem}: a {width:+.2%}, p0 {peak:+.2%}, {each.elements} elements")

@@ -40,13 +40,13 @@ import ngsolve
 import numpy as np
 from netgen import occ
 
+from ngcell.build.simulation import Simulation
 from ngcell.results.quantities import View
 from ngcell.scene import MooneyRivlin, Mortar, Penalty
 from ngcell.scene.bodies import Body, BodyForce, BodyScene, BodySupport, Traction
-from ngcell.simulation import Simulation
 
 C1, C2, KAPPA = 0.6, 0.4, 4.0
-TOP_SHIFT = (0.1, -0.2)
+TOP_TRANSLATION = (0.1, -0.2)
 #: Place on the upper wall where pressure and gap vanish.
 END = 0.55
 PROBLEMS, METHODS = ("opening", "touching"), ("mortar", "penalty")
@@ -78,7 +78,7 @@ class Exact:
         along, up = _curve(_facing(x))
         opening = x * (1 - x) * _power(x - END, y) if self.problem == "opening" else 0.0
         above = ngsolve.CF(
-            (t * (along - x) + (1 - t) * TOP_SHIFT[0], t * up + (1 - t) * TOP_SHIFT[1] + t * t * opening)
+            (t * (along - x) + (1 - t) * TOP_TRANSLATION[0], t * up + (1 - t) * TOP_TRANSLATION[1] + t * t * opening)
         )
         return {"below": below, "above": above}
 
@@ -92,7 +92,7 @@ class Exact:
         return np.sqrt(np.maximum(from_end, 0.0))
 
     def nominal_pressure(self, below: np.ndarray) -> np.ndarray:
-        """Contact pressure for each length at rest, at places on the lower wall."""
+        """Contact pressure per reference length, at places on the lower wall."""
         step = 1e-30
         slopes = [part.imag / step for part in _curve(below + 1j * step, np)]
         return self.pressure(below) * np.hypot(*slopes)
@@ -167,12 +167,12 @@ def scene(exact: Exact, method: str, order: int, size: float) -> BodyScene:
         Body(_block("above", 0.0, MISMATCH * size), material, "above", ("above_left", "above_right", "above_top")),
     ]
     supports = [
-        BodySupport("below_left", gradient=((0.0, 0.0), (0.0, -0.26)), shift=(0.0, -0.13)),
-        BodySupport("below_right", gradient=((0.0, 0.5), (0.0, -0.14)), shift=(0.25, -0.07)),
-        BodySupport("above_left", gradient=((0.0, 0.2), (0.0, -0.14)), shift=(0.0, -0.13)),
-        BodySupport("above_right", gradient=((0.0, -0.3), (0.0, -0.26)), shift=(0.25, -0.07)),
+        BodySupport("below_left", gradient=((0.0, 0.0), (0.0, -0.26)), translation=(0.0, -0.13)),
+        BodySupport("below_right", gradient=((0.0, 0.5), (0.0, -0.14)), translation=(0.25, -0.07)),
+        BodySupport("above_left", gradient=((0.0, 0.2), (0.0, -0.14)), translation=(0.0, -0.13)),
+        BodySupport("above_right", gradient=((0.0, -0.3), (0.0, -0.26)), translation=(0.25, -0.07)),
         BodySupport("below_bottom"),
-        BodySupport("above_top", shift=TOP_SHIFT),
+        BodySupport("above_top", translation=TOP_TRANSLATION),
     ]
     contact = Mortar() if method == "mortar" else Penalty()
     return BodyScene(bodies, supports, size=size, order=order, levels=1, contact=contact, loads=exact.loads)
@@ -190,7 +190,7 @@ def errors(problem: str, method: str, order: int, size: float) -> dict[str, floa
     """Solve on one mesh, and return the relative errors, the unknowns and the iterations."""
     exact = Exact(problem)
     simulation = Simulation(scene(exact, method, order, size))
-    *_, step = simulation.walk()
+    *_, step = simulation.accepted_steps()
     mesh, found = simulation.bodies.mesh, simulation.space.function(step.displacement)
     chosen = mesh.MaterialCF(exact.displacement)
     slopes = mesh.MaterialCF({body: exact.gradient(body) for body in exact.displacement})

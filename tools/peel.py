@@ -19,8 +19,8 @@ import click
 import numpy as np
 from netgen import occ
 
+from ngcell.build.simulation import Simulation
 from ngcell.scene import Body, BodyScene, BodySupport, Cohesion, MooneyRivlin
-from ngcell.simulation import Simulation
 
 TABLE = Path(__file__).resolve().parent / "results" / "peel.csv"
 LENGTH, HEIGHT, NOTCH = 6.0, 0.1, 2.0
@@ -65,7 +65,7 @@ def strip(*, toughness: float, zone: float, opening: float, size: float, order: 
     toughness : float
         Separation energy [stress * length].
     zone : float
-        Length over which an arm on whole bonds decays, that of a beam on springs [length].
+        Length over which an arm on whole bonds decays, that of a beam on penalty terms [length].
     opening : float
         How far the ends are pulled apart [length].
     size, order, steps : float, int, int
@@ -78,8 +78,8 @@ def strip(*, toughness: float, zone: float, opening: float, size: float, order: 
         (
             BodySupport("lower_far"),
             BodySupport("upper_far"),
-            BodySupport("lower_grip", shift=(0.0, -opening / 2), components=(False, True)),
-            BodySupport("upper_grip", shift=(0.0, opening / 2), components=(False, True)),
+            BodySupport("lower_grip", translation=(0.0, -opening / 2), components=(False, True)),
+            BodySupport("upper_grip", translation=(0.0, opening / 2), components=(False, True)),
         ),
         size=size,
         order=order,
@@ -92,9 +92,9 @@ def strip(*, toughness: float, zone: float, opening: float, size: float, order: 
 def peeled(scene: BodyScene) -> Iterator[dict[str, float]]:
     """Peel, and yield a row a step while the crack grows: from the first broken bond on."""
     simulation = Simulation(scene)
-    opening = 2 * scene.supports[-1].shift[1]
+    opening = 2 * scene.supports[-1].translation[1]
     toughness = scene.cohesion.energy
-    for step in simulation.walk():
+    for step in simulation.accepted_steps():
         force = float(simulation.motion.resultant(step.measurement.reaction, "upper_grip")[1])
         apart = step.record.load_factor * opening
         crack = (3 * BENDING * apart / 2 / force) ** (1 / 3)

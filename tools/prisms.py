@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import click
 
-from ngcell.observation import Step
+from ngcell.build.observation import Step
+from ngcell.build.simulation import Simulation
 from ngcell.scene import Case
-from ngcell.simulation import Simulation
 
 MATERIAL = {"kind": "mooney-rivlin", "c1": 1.0, "c2": 1.0, "bulk_modulus": 100.0}
 SOFT = {"kind": "mooney-rivlin", "c1": 0.05, "c2": 0.05, "bulk_modulus": 10.0}
@@ -34,7 +34,7 @@ def sheared(rows: int, cols: int, lumen: dict[str, object] | None, height: float
         "load": {"kind": "plates", "displacement": (0.4, 0.0), "levels": 1, "ends": "held" if prismatic else None},
         "mesh": {"order": 2, "size": 0.5, "slices": 1 if prismatic else None},
     }
-    return list(Simulation(Case.model_validate(table)).walk())[-1]
+    return list(Simulation(Case.model_validate(table)).accepted_steps())[-1]
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})

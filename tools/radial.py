@@ -100,13 +100,13 @@ class NestedState:
 
 def loaded_inside(ring: Ring, radius: float, pressure: float) -> RadialState:
     """The state of a ring whose bore has this radius and bears this pressure."""
-    end, load = _carried(ring.solid, ring.inner, ring.outer, radius, pressure)
+    end, load = _lifting(ring.solid, ring.inner, ring.outer, radius, pressure)
     return RadialState(radius, end, pressure, load)
 
 
 def loaded_outside(ring: Ring, radius: float, pressure: float) -> RadialState:
     """The state of a ring whose rim has this radius and bears this pressure."""
-    end, load = _carried(ring.solid, ring.outer, ring.inner, radius, pressure)
+    end, load = _lifting(ring.solid, ring.outer, ring.inner, radius, pressure)
     return RadialState(end, radius, load, pressure)
 
 
@@ -195,7 +195,7 @@ def _bracket(function: Callable[[float], float], start: float, ratio: float) -> 
     raise ValueError(f"no balance between radius {start} and {start * ratio**400}")
 
 
-def _carried(solid: RadialSolid, start: float, end: float, radius: float, pressure: float) -> tuple[float, float]:
+def _lifting(solid: RadialSolid, start: float, end: float, radius: float, pressure: float) -> tuple[float, float]:
     """Radius and pressure on the circle of reference radius `end`, from those on that of `start`."""
 
     def excess(stretch: float) -> float:

@@ -6,7 +6,7 @@ Each measurement is a process of its own; its figures are kept in `tools/results
 `tools/results/scaling.md` lists them beside the aims. `--large` adds the tissue of 500 cells, which takes minutes.
 
 contact
-    Share of contact (search, gaps, springs) in a run of the 3x3 and of the 5x7 tissue.
+    Share of contact (search, gaps, penalty terms) in a run of the 3x3 and of the 5x7 tissue.
 growth
     Seconds of an iteration without the direct solver, and memory, for each unknown, from 9 to 900 cells; with 900,
     130 000 unknowns, a Newton iteration over one factorisation and solve of its matrix.
@@ -54,12 +54,15 @@ AIMS = {
 }
 
 
-def tissue(rows: int, cols: int, *, order: int = 2, travel: float = 0.3, **more: Any) -> Any:
+def tissue(rows: int, cols: int, *, order: int = 2, prescribed_displacement: float = 0.3, **more: Any) -> Any:
     """Return a tissue's case: plates moved along x."""
     import ngcell
 
     sets = [f"tissue.rows={rows}", f"tissue.cols={cols}", f"mesh.order={order}", "load.levels=1"]
-    sets += [f"load.displacement=[{travel}, 0.0]", *(f"{name}={value}" for name, value in more.items())]
+    sets += [
+        f"load.displacement=[{prescribed_displacement}, 0.0]",
+        *(f"{name}={value}" for name, value in more.items()),
+    ]
     return ngcell.read_case("shear-empty", sets)
 
 
@@ -69,23 +72,23 @@ def peak() -> float:
 
 
 def iterated(rows: int, cols: int, order: int) -> dict[str, float]:
-    """Time `ITERATIONS` Newton iterations of a released tissue, its tether a hundredth of its stiffness."""
+    """Time `ITERATIONS` Newton iterations of a released tissue, its proximal term a hundredth of its stiffness."""
     import numpy as np
 
-    from ngcell.simulation import Simulation
-    from ngcell.solve.minimum import Tether
+    from ngcell.build.simulation import Simulation
+    from ngcell.solve.minimum import ProximalTerm
 
     before = peak()
     simulation = Simulation(tissue(rows, cols, order=order))
     minimiser = simulation._minimiser(simulation.released, simulation.longest_step)
-    start = simulation.motion.carried(1.0)
-    tether = Tether(0.01 * simulation.release_path.scale, start)
+    start = simulation.motion.lifting(1.0)
+    proximal = ProximalTerm(0.01 * simulation.continuation.scale, start)
     minimiser.most_iterations = 1
-    minimiser.minimise(start, tether)  # what is made once
+    minimiser.minimise(start, proximal)  # what is made once
     clock, effort = simulation.clock.seconds, minimiser.effort.copy()
     clock.clear()
     minimiser.most_iterations = ITERATIONS
-    minimiser.minimise(start, tether)
+    minimiser.minimise(start, proximal)
     spent = minimiser.effort - effort
     matrix, unknowns = minimiser._matrix, simulation.space.unknowns
     values, right = matrix._values.copy(), np.ones(unknowns)
@@ -111,7 +114,7 @@ def iterated(rows: int, cols: int, order: int) -> dict[str, float]:
 def contact_share(rows: int, cols: int) -> dict[str, float]:
     """Return what share of a run of the default tissue contact takes."""
     import ngcell
-    from ngcell.contact.penalty import PenaltyContact, PenaltySet
+    from ngcell.contact.methods.penalty import PenaltyContact, PenaltySet
 
     spent = {"contact": 0.0}
     for owner, names in ((PenaltyContact, ("__init__", "pair", "couplings")), (PenaltySet, _methods(PenaltySet))):
@@ -119,7 +122,7 @@ def contact_share(rows: int, cols: int) -> dict[str, float]:
             if hasattr(owner, name):
                 setattr(owner, name, _timed(getattr(owner, name), spent))
     started = process_time()
-    ngcell.simulate(tissue(rows, cols, order=3, travel=1.0))
+    ngcell.simulate(tissue(rows, cols, order=3, prescribed_displacement=1.0))
     seconds = process_time() - started
     return {"seconds": seconds, "of contact": spent["contact"], "share": spent["contact"] / seconds}
 
@@ -161,7 +164,7 @@ def one_body() -> dict[str, float]:
     material = ngcell.MooneyRivlin(c1=0.5, c2=0.5, bulk_modulus=50.0)
     scene = BodyScene(
         [Body(face, material, "block", ())],
-        [BodySupport("bottom"), BodySupport("top", shift=(0.0, -down))],
+        [BodySupport("bottom"), BodySupport("top", translation=(0.0, -down))],
         size=size,
         order=order,
         levels=1,
@@ -224,12 +227,12 @@ def seconds_of_help() -> dict[str, float]:
 
 def large() -> dict[str, float]:
     """Run 500 cells to a shear of a tenth of the height."""
-    from ngcell.simulation import Simulation
+    from ngcell.build.simulation import Simulation
 
     started = perf_counter(), process_time()
     height = 1.5 * 19 + 2
-    simulation = Simulation(tissue(20, 25, travel=0.1 * height))
-    steps = list(simulation.walk())
+    simulation = Simulation(tissue(20, 25, prescribed_displacement=0.1 * height))
+    steps = list(simulation.accepted_steps())
     return {
         "unknowns": float(simulation.space.unknowns),
         "minutes": (perf_counter() - started[0]) / 60,

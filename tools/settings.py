@@ -133,9 +133,7 @@ def _scene(
 def scenes_3x3(quick: bool) -> Iterator[Setting]:
     """All settings together; the finest of them at sharp corners only."""
     walls, orders = ((0.1,), (2, 3)) if quick else ((0.05, 0.1, 0.2), (1, 2, 3, 4))
-    for radius, finer, order, wall, strategy in product(
-        (0.0, 0.1), (1, 2), orders, walls, ("sddp", "single-step")
-    ):
+    for radius, finer, order, wall, strategy in product((0.0, 0.1), (1, 2), orders, walls, ("sddp", "single-step")):
         if not (radius and finer == 2 and order > 2):
             yield _scene("shear-empty-3x3", strategy, wall, finer, order, radius)
 
@@ -152,11 +150,7 @@ def scenes_5x7(quick: bool) -> Iterator[Setting]:
 
 def steps(quick: bool) -> Iterator[Setting]:
     """Both strategies with more and more levels."""
-    cases = (
-        {"shear-empty-3x3": (5, 10, 20)}
-        if quick
-        else {"shear-empty-3x3": (5, 10, 20), "shear-empty": (5, 10)}
-    )
+    cases = {"shear-empty-3x3": (5, 10, 20)} if quick else {"shear-empty-3x3": (5, 10, 20), "shear-empty": (5, 10)}
     for case, counts in cases.items():
         for count, strategy in product(counts, ("sddp", "single-step")):
             yield Setting(case, (f"load.levels={count}", f'strategy.kind="{strategy}"'))
@@ -297,12 +291,12 @@ def _outcome(ended: Ended) -> str:
 
 
 def _why(setting: Setting, summary: dict[str, Any]) -> str:
-    """Return the failed checks with their worst values, or the last tether on the path, or the last line of the log."""
+    """Return the failed checks with their worst values, or the last proximal term on the path, or the last line of the log."""
     checks = summary.get("certificate", {})
     failed = [f"{name} {check['worst']:.2g}" for name, check in checks.items() if not check["passed"]]
     log = (setting.folder.parent / f"{setting.folder.name}.log").read_text().splitlines()
-    tethers = [line.partition(": ")[2] for line in log if "tether" in line]
-    stopped = tethers[-1:] if tethers and "converged," not in tethers[-1] else []
+    proximals = [line.partition(": ")[2] for line in log if "proximal term" in line]
+    stopped = proximals[-1:] if proximals and "converged," not in proximals[-1] else []
     return "; ".join(failed + stopped) or (log[-1] if log else "no log")
 
 
@@ -379,9 +373,7 @@ def _tables(grid: str, settings: list[Setting], rows: list[dict[str, Any]]) -> s
     tables = [markdown(rows, grid)]
     kept = [setting for setting in settings if setting.folder.exists()]
     if grid in ("steps", "penalty") and (spread := list(differences(kept))):
-        tables.append(
-            markdown(spread, "Relative spread between the runs, and largest difference in displacement")
-        )
+        tables.append(markdown(spread, "Relative spread between the runs, and largest difference in displacement"))
     if grid == "far":
         tables += [markdown(history(setting), setting.label) for setting in kept if history(setting)]
     return "\n".join(tables)

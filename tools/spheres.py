@@ -5,7 +5,7 @@
 A quarter of two half-spheres of radius 50, E = 20000, nu = 0.3, whose planes through the centres approach each other.
 These planes are not infinitely far away, so they approach less than Hertz's bodies do under the same force; radius of
 contact and peak pressure are compared at the force, which is the 5.86e5 of H3 at an approach of 3.68. Both come from
-integrals of the pressure p for each area at rest, which Hertz fulfils exactly: ``a^2 = 5/2 int p r^2 / int p``
+integrals of the pressure p per reference area, which Hertz fulfils exactly: ``a^2 = 5/2 int p r^2 / int p``
 and ``p0 = 3 F / (2 pi a^2)``. A minute or two.
 """
 
@@ -17,8 +17,8 @@ from math import pi, sqrt
 import click
 from netgen import occ
 
+from ngcell.build.simulation import Simulation
 from ngcell.scene import Body, BodyScene, BodySupport, MooneyRivlin
-from ngcell.simulation import Simulation
 
 RADIUS, YOUNG, POISSON = 50.0, 20000.0, 0.3
 
@@ -65,21 +65,21 @@ def pressed(approach: float, size: float, *, order: int = 2) -> Pressed:
         for axis in "xy"
     ]
     supports += [
-        BodySupport(f"{name}_flat", shift=(0.0, 0.0, way * approach / 2), components=(False, False, True))
+        BodySupport(f"{name}_flat", translation=(0.0, 0.0, way * approach / 2), components=(False, False, True))
         for name, way in (("lower", 1.0), ("upper", -1.0))
     ]
     simulation = Simulation(BodyScene(bodies, supports, size=16.0, order=order, levels=1))
-    step = list(simulation.walk())[-1]
+    step = list(simulation.accepted_steps())[-1]
     if not step.record.certified:
         raise click.ClickException(f"not certified: {', '.join(step.measurement.certificate.failures)}")
     walls, released = simulation.walls, simulation.released
-    points = walls.stationed
+    points = walls.quadrature
     pressure = released.contact.pressures(released.positions(step.displacement), points)
     place = walls.places(points.edge, points.xi, walls.rest)
-    push = (pressure * points.weight)[walls.body[points.edge] == 0]
+    normal_force = (pressure * points.weight)[walls.body[points.edge] == 0]
     square = (place[:, :2] ** 2).sum(1)[walls.body[points.edge] == 0]
     force = 4 * step.record.contact_force
-    radius = sqrt(2.5 * float(push @ square / push.sum()))
+    radius = sqrt(2.5 * float(normal_force @ square / normal_force.sum()))
     return Pressed(force, radius, 1.5 * force / (pi * radius**2))
 
 

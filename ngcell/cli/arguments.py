@@ -5,9 +5,7 @@ from __future__ import annotations
 import click
 
 
-def _with_value(
-    ctx: click.Context, parameter: click.Parameter, overrides: tuple[str, ...]
-) -> tuple[str, ...]:
+def _with_value(ctx: click.Context, parameter: click.Parameter, overrides: tuple[str, ...]) -> tuple[str, ...]:
     for override in overrides:
         if not override.partition("=")[1]:
             raise click.BadParameter(f"{override!r} is not key=value, as in --set tissue.wall=0.1")

@@ -1,4 +1,4 @@
-"""`ngcell solve CASE`: walk the load path, show the steps, end with a verdict."""
+"""`ngcell solve CASE`: follow the load path, show the steps, end with a verdict."""
 
 from __future__ import annotations
 
@@ -28,9 +28,7 @@ from ngcell.errors import NotConverged
     help="Go on with the run that stopped in DIR, in place of a CASE.",
 )
 @click.option("--threads", type=click.IntRange(min=1), help="Number of threads; default one for each core.")
-@click.option(
-    "--verify-penalty", is_flag=True, help="Repeat the last level with a stiffer penalty; report what moves."
-)
+@click.option("--verify-penalty", is_flag=True, help="Repeat the last level with a stiffer penalty; report what moves.")
 @click.option("--quiet", "-q", is_flag=True, help="Show no progress.")
 @click.option("--verbose", "-v", is_flag=True, help="Show what the solver logs.")
 def solve(

@@ -49,7 +49,7 @@ def stiffer_lines(table: Mapping[str, Any]) -> Iterator[str]:
     if "failed" in table:
         yield f"penalty      not verified: {table['failed']}"
     elif table:
-        yield f"penalty      the last level with springs stiffer by {_shown(table['stiffness_factor'])}"
+        yield f"penalty      the last level with penalty terms stiffer by {_shown(table['stiffness_factor'])}"
         rows = {name: row for name, row in table.items() if isinstance(row, Mapping)}
         width = max(map(len, rows))
         for name, row in rows.items():

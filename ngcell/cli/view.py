@@ -17,7 +17,7 @@ import click
 @click.option(
     "--clip",
     type=click.FloatRange(0, 1, min_open=True),
-    help="Show of bodies in space what lies below this share of their height.",
+    help="Show of bodies in three dimensions what lies below this share of their height.",
 )
 def view(folder: Path, screenshot: Path | None, clip: float | None) -> None:
     """Show the deformed tissue that a run left in DIR."""

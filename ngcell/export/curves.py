@@ -19,12 +19,10 @@ if TYPE_CHECKING:
 _LARGEST, _MEAN, _PARTED, _REFUSED = "#b3361e", "#1f5f8b", "#4a7a3a", "#d21f1f"
 
 
-def draw_curves(
-    history: Sequence[StepRecord], path: Path, *, certified: bool, onset: float | None = None
-) -> Path:
+def draw_curves(history: Sequence[StepRecord], path: Path, *, certified: bool, onset: float | None = None) -> Path:
     """Draw largest and mean gap, and below them the number of parted wall pairs, against plate displacement.
 
-    Steps of the compact phase are left out if any other is there: tied walls have no gap. Under a load that
+    Steps of the tied phase are left out if any other is there: tied walls have no gap. Under a load that
     moves no plate the curves run over the load factor.
 
     Parameters
@@ -65,9 +63,7 @@ def draw_curves(
     _scale(gaps, parted, load)
     if onset is not None:
         _mark_onset((gaps, parted), onset)
-    gaps.legend(
-        loc="lower left", bbox_to_anchor=(0, 1), ncols=2, frameon=False, fontsize=10.5, labelcolor=INK
-    )
+    gaps.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2, frameon=False, fontsize=10.5, labelcolor=INK)
     if not certified:
         mark_uncertified(figure)
     return save_png(figure, path)

@@ -1,4 +1,4 @@
-"""How the tissue falls apart: open walls and clumps of cells over the load, and where each wall pair opened."""
+"""How the tissue falls apart: open walls and connected components of cells over the load, and where each wall pair opened."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ if TYPE_CHECKING:
 PairOnset = tuple[int, int, float]
 
 # Places of what is drawn, in shares of the figure: a layout that matplotlib has to find takes as long as all else.
-_SHARE, _CLUMPS_BELOW = (0.063, 0.545, 0.36, 0.41), (0.063, 0.105, 0.36, 0.41)
+_SHARE, _COMPONENTS_BELOW = (0.063, 0.545, 0.36, 0.41), (0.063, 0.105, 0.36, 0.41)
 _PLAN, _BAR = (0.455, 0.06, 0.44, 0.86), (0.91, 0.165, 0.0155, 0.67)
-_OPEN, _PARTED, _CLUMPS, _LARGEST, _CLOSED = "#1f5f8b", "#4a7a3a", "#b3361e", "#c98a1b", "#d5d9df"
+_OPEN, _PARTED, _COMPONENTS, _LARGEST, _CLOSED = "#1f5f8b", "#4a7a3a", "#b3361e", "#c98a1b", "#d5d9df"
 
 
 def draw_debonding(
     history: Sequence[StepRecord], pairs: Sequence[PairOnset], cells: Grid, path: Path, *, certified: bool
 ) -> Path:
-    """Draw open walls and clumps over the load, and the walls at rest coloured by the displacement that opened them.
+    """Draw open walls and components over the load, and the walls at rest coloured by the displacement that opened them.
 
     Parameters
     ----------
@@ -62,19 +62,21 @@ def draw_debonding(
     if not load.any():
         load, name = np.array([row.load_factor for row in rows]), "load factor"
     figure = Figure(figsize=(10.4, 4.6), dpi=DPI, facecolor="white")
-    share, clumps, plan = (figure.add_axes(place) for place in (_SHARE, _CLUMPS_BELOW, _PLAN))
+    share, components, plan = (figure.add_axes(place) for place in (_SHARE, _COMPONENTS_BELOW, _PLAN))
     _curve(share, load, [row.opened_share for row in rows], "length of open walls", _OPEN)
     _curve(share, load, [row.parted_pairs / max(len(pairs), 1) for row in rows], "parted wall pairs", _PARTED)
-    _curve(clumps, load, [row.clumps for row in rows], "clumps of cells still joined", _CLUMPS)
-    _curve(clumps, load, [row.largest_clump for row in rows], "cells in the largest", _LARGEST)
-    for axes, label in ((share, "share of all"), (clumps, "number")):
+    _curve(
+        components, load, [row.components for row in rows], "connected components of cells still joined", _COMPONENTS
+    )
+    _curve(components, load, [row.largest_component for row in rows], "cells in the largest", _LARGEST)
+    for axes, label in ((share, "share of all"), (components, "number")):
         style_axes(axes)
         axes.set_ylabel(label, color=INK)
         axes.yaxis.set_label_coords(-0.115, 0.5)
         axes.set_ylim(0, 1.05 * axes.get_ylim()[1])
         axes.legend(frameon=False, fontsize=9, labelcolor=INK)
     share.tick_params(labelbottom=False)
-    clumps.set_xlabel(name, color=INK)
+    components.set_xlabel(name, color=INK)
     _draw_plan(figure, plan, pairs, cells)
     if not certified:
         mark_uncertified(figure)

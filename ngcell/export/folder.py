@@ -67,9 +67,7 @@ class ResultFolder:
     ...     folder.finish({"certified": True})
     """
 
-    def __init__(
-        self, path: Path, *, case_text: str | None = None, restart: Restart | None = None
-    ) -> None:
+    def __init__(self, path: Path, *, case_text: str | None = None, restart: Restart | None = None) -> None:
         self.path = Path(path)
         self._case_text = case_text
         self._restart = restart
@@ -88,9 +86,7 @@ class ResultFolder:
         self._clear()
         if self._case_text is not None:
             replace_file(self.path / "case.toml", self._case_text.encode())
-        self._steps, self._walls, self._cells = (
-            RecordTable(self.path / name, kind) for name, kind in _TABLES.items()
-        )
+        self._steps, self._walls, self._cells = (RecordTable(self.path / name, kind) for name, kind in _TABLES.items())
         self._series = SnapshotSeries(self.path)
         return self
 
@@ -129,11 +125,11 @@ class ResultFolder:
         cells: Sequence[CellRecord] = (),
         *,
         report: StepReport | None = None,
-        standing: Mapping[str, NDArray[Any]] | None = None,
+        checkpoint: Mapping[str, NDArray[Any]] | None = None,
     ) -> None:
         """Put an accepted step on disk: its rows of walls and cells, its history row and, if given, its snapshot.
 
-        With `report`, what the summary will tell of it, and `standing`, what the next step depends on, the run can be
+        With `report`, what the summary will tell of it, and `checkpoint`, what the next step depends on, the run can be
         resumed after this step.
 
         Raises
@@ -157,16 +153,14 @@ class ResultFolder:
         self._history.append(record)
         self._last = snapshot or self._last
         self._pairs = [(row.cell_a, row.cell_b, row.onset) for row in walls] or self._pairs
-        if report is not None and standing is not None:
+        if report is not None and checkpoint is not None:
             self._reports.append(report)
-            self._remember(standing)
+            self._remember(checkpoint)
         self._note("running")
 
-    def _remember(self, standing: Mapping[str, NDArray[Any]]) -> None:
+    def _remember(self, checkpoint: Mapping[str, NDArray[Any]]) -> None:
         sizes = dict(zip(_TABLES, (self._steps.size, self._walls.size, self._cells.size), strict=True))
-        restart = Restart(
-            self._case_text or "", standing, tuple(self._reports), sizes, self._series.snapshots
-        )
+        restart = Restart(self._case_text or "", checkpoint, tuple(self._reports), sizes, self._series.snapshots)
         try:
             write_restart(self.path, restart)
         except OutputError as error:

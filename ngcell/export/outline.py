@@ -102,7 +102,7 @@ def _merged_corners(places: NDArray[Any], owner: NDArray[Any]) -> tuple[NDArray[
     Returns the first corner of each number, and the number of each corner.
     """
     size = float(np.ptp(places, axis=0).max(initial=0.0)) or 1.0
-    # The shift keeps points of a regular lattice away from the places where rounding is decided.
+    # The translation keeps points of a regular lattice away from the places where rounding is decided.
     rounded = np.round(places / size * 1e8 + 0.137).astype(np.int64)
     keys = np.column_stack([owner, rounded])
     _, first, number = np.unique(keys, axis=0, return_index=True, return_inverse=True)
@@ -117,9 +117,7 @@ def _counter_clockwise(rings: NDArray[Any], points: NDArray[Any]) -> NDArray[Any
 
 def _signed_area(polygons: NDArray[Any]) -> NDArray[Any]:
     x, y = polygons[..., 0], polygons[..., 1]
-    area: NDArray[np.float64] = 0.5 * np.sum(
-        x * np.roll(y, -1, axis=-1) - np.roll(x, -1, axis=-1) * y, axis=-1
-    )
+    area: NDArray[np.float64] = 0.5 * np.sum(x * np.roll(y, -1, axis=-1) - np.roll(x, -1, axis=-1) * y, axis=-1)
     return area
 
 
@@ -130,11 +128,11 @@ def _chains(edges: Iterable[tuple[int, int]]) -> list[list[int]]:
     chains = []
     for first in list(following):
         while following[first]:
-            chains.append(_walk(following, first))
+            chains.append(_follow(following, first))
     return chains
 
 
-def _walk(following: dict[int, list[int]], first: int) -> list[int]:
+def _follow(following: dict[int, list[int]], first: int) -> list[int]:
     line, point = [], first
     while following[point]:
         line.append(point)

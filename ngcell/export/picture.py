@@ -162,9 +162,7 @@ def _draw_outlines(axes: Axes, bulk: Grid, deformed: NDArray[Any], loops: Iterab
     for dashed, style in ((False, "solid"), (True, (0, (2.2, 1.6)))):
         lines = [deformed[loop.points] for loop in loops if (loop.cell_id in free) == dashed]
         axes.add_collection(
-            PolyCollection(
-                lines, facecolors="none", edgecolors=INK, linewidths=0.6, linestyles=[style], zorder=4
-            ),
+            PolyCollection(lines, facecolors="none", edgecolors=INK, linewidths=0.6, linestyles=[style], zorder=4),
             autolim=False,
         )
     return len(free)

@@ -23,7 +23,7 @@ from ngcell.results.report import StepReport
 
 RESTART = "restart.npz"
 _NOTES = "notes"
-_STANDING = "standing_"
+_CHECKPOINT = "checkpoint_"
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,8 +34,8 @@ class Restart:
     ----------
     case_text : str
         The resolved case.
-    standing : mapping of str to array
-        Where the walk stands: what the next step depends on.
+    checkpoint : mapping of str to array
+        Where the continuation stands: what the next step depends on.
     reports : tuple of StepReport
         The accepted steps.
     table_sizes : mapping of str to int
@@ -45,7 +45,7 @@ class Restart:
     """
 
     case_text: str
-    standing: Mapping[str, NDArray[Any]]
+    checkpoint: Mapping[str, NDArray[Any]]
     reports: tuple[StepReport, ...]
     table_sizes: Mapping[str, int]
     snapshots: tuple[tuple[int, float, float], ...]
@@ -66,7 +66,7 @@ def write_restart(folder: Path, restart: Restart) -> None:
         "snapshots": restart.snapshots,
     }
     content = io.BytesIO()
-    arrays = {f"{_STANDING}{name}": values for name, values in restart.standing.items()}
+    arrays = {f"{_CHECKPOINT}{name}": values for name, values in restart.checkpoint.items()}
     np.savez(content, **{_NOTES: np.frombuffer(json.dumps(notes).encode(), dtype=np.uint8)}, **arrays)
     replace_file(Path(folder) / RESTART, content.getvalue())
 
@@ -83,12 +83,12 @@ def read_restart(folder: Path) -> Restart:
     try:
         with np.load(path, allow_pickle=False) as content:
             notes = json.loads(content[_NOTES].tobytes())
-            standing = {
-                name.removeprefix(_STANDING): content[name] for name in content if name.startswith(_STANDING)
+            checkpoint = {
+                name.removeprefix(_CHECKPOINT): content[name] for name in content if name.startswith(_CHECKPOINT)
             }
         return Restart(
             case_text=notes["case_text"],
-            standing=standing,
+            checkpoint=checkpoint,
             reports=tuple(StepReport.from_plain(report) for report in notes["reports"]),
             table_sizes=notes["table_sizes"],
             snapshots=tuple((int(step), float(load), float(far)) for step, load, far in notes["snapshots"]),

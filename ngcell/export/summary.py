@@ -40,9 +40,7 @@ def read_summary(folder: Path) -> dict[str, Any]:
     try:
         summary = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise OutputError(
-            f"cannot read {path}: {error.strerror}; is {folder} the result of a run?"
-        ) from error
+        raise OutputError(f"cannot read {path}: {error.strerror}; is {folder} the result of a run?") from error
     except ValueError as error:
         raise OutputError(f"{path} is not JSON: {error}") from error
     if not isinstance(summary, dict):

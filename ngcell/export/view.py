@@ -9,7 +9,7 @@ from typing import Any
 
 from ngcell.export.picture import draw_tissue
 from ngcell.export.series import NOT_CERTIFIED, read_last_snapshot
-from ngcell.export.space_picture import draw_solids, is_of_solids, space_plot
+from ngcell.export.solid_picture import draw_solids, is_of_solids, solid_plot
 from ngcell.export.summary import SUMMARY, read_summary
 from ngcell.results.snapshot import Snapshot
 
@@ -23,9 +23,9 @@ def show(folder: Path, screenshot: Path | None = None, clip: float | None = None
         The result of a run, finished or not.
     screenshot : Path, optional
         PNG file to write instead of opening a window. Without a display, and none given, it is `tissue.png`
-        in `folder`, for bodies in space `tissue-3d.png`.
+        in `folder`, for bodies in three dimensions `tissue-3d.png`.
     clip : float, optional
-        Share of the height above which bodies in space are cut off, in (0, 1].
+        Share of the height above which bodies in three dimensions are cut off, in (0, 1].
 
     Returns
     -------
@@ -59,7 +59,7 @@ def _has_display() -> bool:
 
 def _open_window(snapshot: Snapshot, title: str, certified: bool, clip: float | None) -> None:
     if is_of_solids(snapshot):
-        space_plot(snapshot, title=title, certified=certified, clip=clip).show()
+        solid_plot(snapshot, title=title, certified=certified, clip=clip).show()
         return
     import pyvista
 

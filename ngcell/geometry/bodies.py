@@ -18,7 +18,7 @@ FILLING = "filling"
 #: Boundary region of the lumens, where nothing tells them apart.
 LUMEN = "lumen"
 #: Boundary regions of the upper and the lower ends of prisms.
-FRONT, BACK = "front", "back"
+UPPER_END, LOWER_END = "upper-end", "lower-end"
 #: Boundary region of the ends that face another layer of prisms.
 BETWEEN = "between"
 

@@ -10,7 +10,7 @@ from ngcell.scene import Block, Disc, Ring
 _ON = 1e-9
 
 
-def drawn_face(body: Ring | Disc | Block) -> occ.Face:
+def body_face(body: Ring | Disc | Block) -> occ.Face:
     """Return the face of a body; its edges are named ``<body>_<side>``."""
     if isinstance(body, Block):
         (left, bottom), (right, top) = body.low, body.high

@@ -73,9 +73,9 @@ class Lattice:
 
 
 def hexagonal_lattice(rows: int, cols: int, *, side: float, pointy: bool) -> Lattice:
-    """Return `rows` times `cols` hexagons; pointy ones stand on a corner, every second row shifted by half a cell.
+    """Return `rows` times `cols` hexagons; pointy ones stand on a corner, every second row moved by half a cell.
 
-    Flat ones stand on a wall; there every second column is shifted up by half a cell.
+    Flat ones stand on a wall; there every second column is moved up by half a cell.
     """
     row, col = (index.ravel() for index in np.divmod(np.arange(rows * cols), cols))
     width = np.sqrt(3) * side

@@ -1,4 +1,4 @@
-"""Points near each other, and what hangs together, in plain numpy.
+"""Points near each other, and what is connected, in plain numpy.
 
 scipy's k-d tree and graph routines would do, but loading them takes longer than all searches of a small scene.
 """
@@ -18,8 +18,8 @@ _MOST_BOXES = {2: 2**30, 3: 2**20}
 def near_pairs(points: Array, reach: float) -> tuple[Index, Index]:
     """Return all pairs of points at most `reach` [length] apart, each once, the lower number first, sorted.
 
-    The points are sorted into boxes of side `reach`. A partner is in the same row of boxes, in this box or the next
-    one, or in a row beside it (in the plane the one above, in space one of four), in one of three boxes: all are ranges
+    The points are sorted into boxes of side `reach`. A contact pair is in the same row of boxes, in this box or the next
+    one, or in a row beside it (in the plane the one above, in three dimensions one of four), in one of three boxes: all are ranges
     of the sorted points.
 
     Parameters
@@ -39,15 +39,19 @@ def near_pairs(points: Array, reach: float) -> tuple[Index, Index]:
     if len(rows) == 2:
         depth = int(row.max()) + 3
         row = (rows[1] * depth + row) + 1
-        beside = [width, *(width * (depth + shift) for shift in (-1, 0, 1))]
+        beside = [width, *(width * (depth + translation) for translation in (-1, 0, 1))]
     box = row * width + column + 1
     order = np.argsort(box, kind="stable")
     box = box[order]
     place = np.arange(len(box))
     found = [_ranges(place, place + 1, np.searchsorted(box, box + 1, "right"))]
     found += [
-        _ranges(place, np.searchsorted(box, box + shift - 1, "left"), np.searchsorted(box, box + shift + 1, "right"))
-        for shift in beside
+        _ranges(
+            place,
+            np.searchsorted(box, box + translation - 1, "left"),
+            np.searchsorted(box, box + translation + 1, "right"),
+        )
+        for translation in beside
     ]
     one, two = (order[np.concatenate(parts)] for parts in zip(*found, strict=True))
     near = ((points[one] - points[two]) ** 2).sum(1) <= reach**2

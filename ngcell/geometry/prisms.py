@@ -18,7 +18,7 @@ import numpy as np
 from netgen.meshing import FaceDescriptor, Mesh
 from numpy.typing import NDArray
 
-from ngcell.geometry.bodies import BACK, BETWEEN, FILLING, FRONT, BodyMesh
+from ngcell.geometry.bodies import BETWEEN, FILLING, LOWER_END, UPPER_END, BodyMesh
 from ngcell.geometry.rings import Section, along_walls, int32
 
 Index = NDArray[np.int64]
@@ -51,8 +51,8 @@ def prism_mesh(*sections: Section, height: float, slices: int, end_wall: float |
         for name, elements in _solids(mine, inner, last):
             (fillings if name == FILLING else cells).append(elements + first)
         for name, elements in _faces(mine, inner, last):
-            is_outer = (name, layer) in ((BACK, 0), (FRONT, layers - 1))
-            faces[BETWEEN if name in (BACK, FRONT) and not is_outer else name].append(elements + first)
+            is_outer = (name, layer) in ((LOWER_END, 0), (UPPER_END, layers - 1))
+            faces[BETWEEN if name in (LOWER_END, UPPER_END) and not is_outer else name].append(elements + first)
     solids = [(f"cell{number}", elements) for number, elements in enumerate(cells)]
     solids += [(FILLING, np.concatenate(fillings))] if fillings else []
     used = np.unique(np.concatenate([elements.ravel() for _, elements in solids]))
@@ -129,7 +129,7 @@ def _faces(section: Section, inner: Sequence[int], last: int) -> list[tuple[str,
     ends = [quads for name, quads in section.regions if name != FILLING or section.caps is None]
     ends += [] if section.caps is None else [section.caps.reshape(-1, 4)]
     end = np.concatenate(ends)
-    return [*faces, (FRONT, end + count * last), (BACK, end[:, ::-1])]
+    return [*faces, (UPPER_END, end + count * last), (LOWER_END, end[:, ::-1])]
 
 
 def _swept(numbers: Index, count: int, slices: Sequence[int]) -> Index:

@@ -1,7 +1,7 @@
 """Hollow hexagonal cells as rings of quadrilaterals, written straight into a Netgen mesh.
 
 A structured ring needs a fifth of the unknowns of a triangulation with the same bending error, matches its
-neighbours node by node, and takes milliseconds. Coincident walls carry coincident but separate nodes.
+neighbours node by node, and takes milliseconds. Coincident walls have coincident but separate nodes.
 
 A corner radius rounds the outer wall only; the arc is resolved by straight edges (`ARC_EDGES` to half a corner),
 which lie inside the true arc by less than one percent of the radius.
@@ -26,10 +26,10 @@ ARC_EDGES = 2
 Array = NDArray[np.float64]
 
 
-def wall_stations(side: float, radius: float, edges: int) -> Array:
+def wall_parameters(side: float, radius: float, edges: int) -> Array:
     """Return where nodes sit along one wall of the sharp hexagon, in [-1/2, 1/2) of the side.
 
-    With a radius the ends of the straight part are stations, and `ARC_EDGES` edges follow to each corner.
+    With a radius the ends of the straight part are quadrature points, and `ARC_EDGES` edges follow to each corner.
     """
     arc = radius / np.sqrt(3) / side
     straight = np.linspace(arc - 0.5, 0.5 - arc, edges + 1)
@@ -41,9 +41,9 @@ def wall_stations(side: float, radius: float, edges: int) -> Array:
 
 def ring_layers(lattice: Lattice, *, wall: float, radius: float, edges: int, layers: int) -> Array:
     """Return the nodes of one cell about its centre, outermost layer first; shape (layers + 1, nodes, 2)."""
-    stations = wall_stations(lattice.side, radius, edges)
+    quadrature_points = wall_parameters(lattice.side, radius, edges)
     corners = lattice.corners
-    along = (np.roll(corners, -1, axis=0) - corners)[:, None] * (stations + 0.5)[:, None]
+    along = (np.roll(corners, -1, axis=0) - corners)[:, None] * (quadrature_points + 0.5)[:, None]
     sharp = (corners[:, None] + along).reshape(-1, 2)
     inner = sharp * (1 - wall / lattice.apothem)
     outer = _round_corners(sharp, lattice, radius)

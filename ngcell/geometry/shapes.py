@@ -85,7 +85,7 @@ def mesh_shapes(
         Order of the curved elements, >= 1: that of the displacement.
     size : float, optional
         Largest length of an element's edge [length]; by default half of each body's own thickness. Where the
-        shapes carry a smaller ``maxh``, that counts.
+        shapes have a smaller ``maxh``, that counts.
     untouched : collection of str
         Boundaries that are no walls, wherever they lie.
     refinements : sequence of Refinement
@@ -109,7 +109,7 @@ def mesh_shapes(
             flat = min(name for name, is_solid in are_solids.items() if not is_solid)
             raise GeometryError(f"body {flat}: its shape is no solid, others are; allowed: all faces or all solids")
         if refinements:
-            raise GeometryError("refinements; allowed: in the plane (solids and their faces carry a `maxh`)")
+            raise GeometryError("refinements; allowed: in the plane (solids and their faces have a `maxh`)")
         from ngcell.geometry.solids import mesh_solids
 
         return mesh_solids(shapes, names, order=order, size=size, untouched=untouched)
@@ -165,8 +165,7 @@ def _face(shape: occ.TopoDS_Shape, name: str) -> occ.Face:
     heights = [vertex.p.z for vertex in face.vertices] + [part.center.z for part in (face, *face.edges)]
     if max(map(abs, heights)) > _FLAT * sum(edge.mass for edge in face.edges):
         raise GeometryError(
-            f"body {name}: its face reaches from z = {min(heights):g} to {max(heights):g}; "
-            "allowed: the plane z = 0"
+            f"body {name}: its face reaches from z = {min(heights):g} to {max(heights):g}; allowed: the plane z = 0"
         )
     return face
 

@@ -13,7 +13,7 @@ _SHARE = 0.5
 
 @contextmanager
 def sizes(parts: Sequence[occ.TopoDS_Shape], thicknesses: Sequence[float], size: float | None) -> Iterator[float]:
-    """Yield the largest length of an element's edge [length]; by default each part carries its own meanwhile.
+    """Yield the largest length of an element's edge [length]; by default each part has its own meanwhile.
 
     Parameters
     ----------

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.geometry.bodies import BACK, FRONT, BodyMesh
+from ngcell.geometry.bodies import LOWER_END, UPPER_END, BodyMesh
 from ngcell.geometry.lattice import Lattice, hexagonal_lattice
 from ngcell.geometry.rings import ring_mesh, ring_section
 from ngcell.scene import Ends, Frame, Load, MeshChoice, Tissue
@@ -16,7 +16,7 @@ from ngcell.scene import Ends, Frame, Load, MeshChoice, Tissue
 #: Names of the supported regions.
 LOWER_PLATE, UPPER_PLATE, FRAME = "lower-plate", "upper-plate", "frame"
 #: Regular expression of the ends of prisms.
-ENDS = f"{FRONT}|{BACK}"
+ENDS = f"{UPPER_END}|{LOWER_END}"
 
 #: Default edges: at most this many wall thicknesses long, and at least this many to a side.
 _SLENDERNESS, _FEWEST_EDGES = 5.0, 2
@@ -32,9 +32,7 @@ def tissue_mesh(
 ) -> BodyMesh:
     """Return the mesh of a tissue, one body a cell, with the regions that the load needs, and those of `lumens`:
     the cells whose inner walls belong to each; `filled` lumens hold elements."""
-    lattice = hexagonal_lattice(
-        tissue.rows, tissue.cols, side=tissue.side, pointy=tissue.orientation == "pointy"
-    )
+    lattice = hexagonal_lattice(tissue.rows, tissue.cols, side=tissue.side, pointy=tissue.orientation == "pointy")
     edges, layers = mesh_density(tissue, choice)
     choices: dict[str, Any] = {
         "wall": tissue.wall,

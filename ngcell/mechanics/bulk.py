@@ -35,8 +35,8 @@ class BulkEnergy:
         Loads on boundaries, taken at the load factor that was last applied to them. By default there are none.
     filling : MooneyRivlinLaw, optional
         Law of what fills the lumens; needed where there is something.
-    fibre_direction : array of float, shape (elements, 2), in space (elements, 6), optional
-        Unit vector in the plane from which angles of fibres are measured, in each element, and in space the one
+    fibre_direction : array of float, shape (elements, 2), in three dimensions (elements, 6), optional
+        Unit vector in the plane from which angles of fibres are measured, in each element, and in three dimensions the one
         towards which they are; needed where a law has any.
     """
 
@@ -58,9 +58,7 @@ class BulkEnergy:
         gradient = ngsolve.Id(space.dimension) + ngsolve.Grad(trial)
         self._form = ngsolve.BilinearForm(space.vector, symmetric=True)
         for law in dict.fromkeys(self.laws):
-            names = "|".join(
-                name for name, mine in zip(space.bodies.body_names, self.laws, strict=True) if mine == law
-            )
+            names = "|".join(name for name, mine in zip(space.bodies.body_names, self.laws, strict=True) if mine == law)
             region = space.bodies.mesh.Materials(names)
             energy = law.stored_energy(gradient)
             if law.fibres is not None:

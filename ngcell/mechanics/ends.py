@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.geometry.bodies import BACK, FRONT
+from ngcell.geometry.bodies import LOWER_END, UPPER_END
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.scene import Ends
@@ -21,7 +21,7 @@ _NEARBY = 1e-4
 
 
 class EndsMotion(PrescribedMotion):
-    """The back is held and the front moves rigidly; in between, the carried field moves, twists and tilts sections in
+    """The back is held and the front moves rigidly; in between, the lifting moves, twists and tilts sections in
     proportion to their height.
 
     Parameters
@@ -37,45 +37,45 @@ class EndsMotion(PrescribedMotion):
         (low, high), still = space.bodies.extent, np.zeros((3, 3))
         self._foot = np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
         self._length = float(high[2] - low[2])
-        ends = [Support(end, still, np.zeros(3), (True,) * 3) for end in (BACK, FRONT)]
+        ends = [Support(end, still, np.zeros(3), (True,) * 3) for end in (LOWER_END, UPPER_END)]
         super().__init__(space, ends, lambda at: self._section(at, 1.0))
-        self._front = space.region_unknowns(FRONT)
+        self._upper_end = space.region_unknowns(UPPER_END)
 
     def imposed(self, displacement: Array, load_factor: float) -> Array:
         """Return a displacement with the prescribed values of this load factor in place."""
         moved = super().imposed(displacement, load_factor).reshape(self.fixed.shape)
-        moved[:, self._front] = self._of_front(load_factor)
+        moved[:, self._upper_end] = self._of_upper_end(load_factor)
         return moved.ravel()
 
-    def carried(self, load_factor: float) -> Array:
-        """Return the carried field at this load factor, shape (unknowns,)."""
+    def lifting(self, load_factor: float) -> Array:
+        """Return the lifting at this load factor, shape (unknowns,)."""
         return self.imposed(self._section(self._space.rest, load_factor) * self._space.one, load_factor)
 
     def rate(self, load_factor: float) -> Array:
         """Return the prescribed values' derivative by the load factor, shape (unknowns,); zero where nothing is."""
         rate = np.zeros(self.fixed.shape)
-        later, before = (self._of_front(load_factor + change) for change in (_NEARBY, -_NEARBY))
-        rate[:, self._front] = (later - before) / (2 * _NEARBY)
+        later, before = (self._of_upper_end(load_factor + change) for change in (_NEARBY, -_NEARBY))
+        rate[:, self._upper_end] = (later - before) / (2 * _NEARBY)
         return rate.ravel()
 
-    def _of_front(self, load_factor: float) -> Array:
+    def _of_upper_end(self, load_factor: float) -> Array:
         """Return the displacement of the front, which is rigid, as unknowns."""
-        tilt, twist, travel = self._at(load_factor)
+        tilt, twist, prescribed_displacement = self._at(load_factor)
         turned = _about_y(tilt) @ _about_z(twist)
-        front = self._foot + [0.0, 0.0, self._length]
-        moved = self._foot + _arc(tilt, np.ones(1), self._length)[:, 0] + travel
-        return self._space.affine(turned - np.eye(3), moved - turned @ front)[:, self._front]
+        upper_end = self._foot + [0.0, 0.0, self._length]
+        moved = self._foot + _arc(tilt, np.ones(1), self._length)[:, 0] + prescribed_displacement
+        return self._space.affine(turned - np.eye(3), moved - turned @ upper_end)[:, self._upper_end]
 
     def _section(self, at: Array, load_factor: float) -> Array:
         """Return the displacement of reference positions with their sections, both of shape (3, n)."""
-        tilt, twist, travel = self._at(load_factor)
+        tilt, twist, prescribed_displacement = self._at(load_factor)
         away = at - self._foot[:, None]
         share, across = away[2] / self._length, away * [[1.0], [1.0], [0.0]]
         turn = twist * share
         x, y = np.cos(turn) * across[0] - np.sin(turn) * across[1], np.sin(turn) * across[0] + np.cos(turn) * across[1]
         tilted = np.array([np.cos(tilt * share) * x, y, -np.sin(tilt * share) * x])
         centre = self._foot[:, None] + _arc(tilt, share, self._length)
-        return centre + tilted - at + share * travel[:, None]
+        return centre + tilted - at + share * prescribed_displacement[:, None]
 
     def _at(self, load_factor: float) -> tuple[float, float, Array]:
         """Return tilt and twist [rad] and displacement [length]."""

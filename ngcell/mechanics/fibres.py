@@ -57,7 +57,7 @@ class FibreLaw:
     ) -> ngsolve.CoefficientFunction:
         """Return W [stress] of a deformation gradient and the directions that angles are measured in.
 
-        In the plane these are a gradient of shape (2, 2) and the two components of the unit vector d; in space one of
+        In the plane these are a gradient of shape (2, 2) and the two components of the unit vector d; in three dimensions one of
         shape (3, 3) and the six components of d and of the unit vector across it that stands for the axis.
         """
         dimension = gradient.dims[0]
@@ -78,7 +78,7 @@ class FibreLaw:
     def cauchy_stress(self, gradient: Array, direction: Array) -> Array:
         """Return the Cauchy stress [stress], shape (n, 3, 3): ``2 dW/dI4 (F a) (F a) / J`` of each family.
 
-        Deformation gradients have the shape (n, 3, 3), the directions in the plane (n, 2), those in space (n, 6).
+        Deformation gradients have the shape (n, 3, 3), the directions in the plane (n, 2), those in three dimensions (n, 6).
         """
         stress = np.zeros_like(gradient)
         along, upward = np.zeros((len(direction), 3)), np.tile([0.0, 0.0, 1.0], (len(direction), 1))

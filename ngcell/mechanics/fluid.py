@@ -1,8 +1,8 @@
-"""An incompressible fluid in each lumen: its area, in space its volume, stays what it is told, and its pressure is part
+"""An incompressible fluid in each lumen: its area, in three dimensions its volume, stays what it is told, and its pressure is part
 of the answer.
 
 The area of a lumen is half the integral of ``x cross dx`` around it, hence a quadratic function of the displacement;
-the volume of a closed lumen in space is a cubic one. Both are called area here.
+the volume of a closed lumen in three dimensions is a cubic one. Both are called area here.
 
 With c the area less what the fluid needs, and A that at rest, the energy
 
@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 #: By how much the liquid is stiffened where updates are slow, and at most in all.
-HASTE, MOST_HASTE = 10.0, 1e4
+PENALTY_INCREASE, MOST_INCREASE = 10.0, 1e4
 
 
 class LumenFluids:
@@ -39,7 +39,7 @@ class LumenFluids:
     space : DisplacementSpace
         The unknowns.
     region : str
-        Boundary region of the lumens, a regular expression: one closed line, in space one closed surface, in each body
+        Boundary region of the lumens, a regular expression: one closed line, in three dimensions one closed surface, in each body
         that has a lumen.
     modulus : float
         Bulk modulus r of the liquid that stands for the fluid along the way [stress], > 0.
@@ -90,7 +90,7 @@ class LumenFluids:
         self._bent = order[found]
 
     def apply(self, load_factor: float) -> None:
-        """Set the load factor, and forget what was learned about pressures."""
+        """Set the load factor, and forget what was updated about pressures."""
         self._share = self.share(load_factor)
         self._pace = 1.0
         self.pressure = np.zeros(len(self.area))
@@ -146,7 +146,7 @@ class LumenFluids:
         """Return the work against the pressures for each unit of the share that is filled in [stress * length**2]."""
         return float((self._fill - 1) * (self.pressures(displacement) @ self.area))
 
-    def improve(self, displacement: Array) -> tuple[float, float]:
+    def update_multipliers(self, displacement: Array) -> tuple[float, float]:
         """Take over the pressures of an equilibrium; return by how much areas were off, as a length [length], and the
         energy of that in the liquids [stress * length**2]."""
         surplus = self._surplus(displacement)
@@ -155,9 +155,9 @@ class LumenFluids:
         surface = self.area ** (1 - 1 / self._dimension)
         return float(np.abs(surplus / surface).max(initial=0.0)), energy
 
-    def hasten(self) -> None:
+    def increase_penalty(self) -> None:
         """Stiffen the liquids: where cells are confined, they are stiffer than these were made for."""
-        self._pace = min(HASTE * self._pace, MOST_HASTE)
+        self._pace = min(PENALTY_INCREASE * self._pace, MOST_INCREASE)
 
     @property
     def _stiffness(self) -> Array:

@@ -87,9 +87,7 @@ class MooneyRivlinLaw:
         trace = np.trace(left, axis1=1, axis2=2)[:, None, None]
         stretch = self.c1 * left + self.c2 * (trace * left - left @ left)
         mean = np.trace(stretch, axis1=1, axis2=2)[:, None, None] / 3
-        return np.asarray(
-            (stretch + (self.bulk_modulus * np.log(jacobian) - mean) * np.eye(3)) / jacobian
-        )
+        return np.asarray((stretch + (self.bulk_modulus * np.log(jacobian) - mean) * np.eye(3)) / jacobian)
 
 
 def _plane_strain(gradient: ngsolve.CoefficientFunction) -> tuple[ngsolve.CoefficientFunction, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.geometry.bodies import BACK, FRONT
+from ngcell.geometry.bodies import LOWER_END, UPPER_END
 from ngcell.geometry.tissue import ENDS, FRAME, LOWER_PLATE, UPPER_PLATE
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
@@ -30,7 +30,7 @@ def prescribed_motion(space: DisplacementSpace, load: Load) -> PrescribedMotion:
         gradient[:2, :2] = np.array(load.final_gradient) - np.eye(2)
         supports = [*ends, Support(FRAME, gradient, np.zeros(dimension), whole)]
         return PrescribedMotion(space, supports, lambda at: gradient @ at)
-    return _plates_motion(space, plate_travel(space, load), ends)
+    return _plates_motion(space, prescribed_plate_displacement(space, load), ends)
 
 
 def end_loads(load: Load) -> tuple[Traction, ...]:
@@ -40,45 +40,48 @@ def end_loads(load: Load) -> tuple[Traction, ...]:
     """
     if isinstance(load, Ends) or load.end_pressure is None:
         return ()
-    return Traction(FRONT, (0.0, 0.0, -load.end_pressure)), Traction(BACK, (0.0, 0.0, load.end_pressure))
+    return Traction(UPPER_END, (0.0, 0.0, -load.end_pressure)), Traction(LOWER_END, (0.0, 0.0, load.end_pressure))
 
 
 def moved_region(load: Load) -> str:
     """Return the region whose force and displacement are reported."""
     if isinstance(load, Ends):
-        return FRONT
+        return UPPER_END
     return FRAME if isinstance(load, Frame) else UPPER_PLATE
 
 
-def plate_travel(space: DisplacementSpace, load: Load) -> Array:
+def prescribed_plate_displacement(space: DisplacementSpace, load: Load) -> Array:
     """Return the displacement of the moved plate at load factor 1 [length], shape (dimension,); zero for a frame."""
-    travel = np.zeros(space.dimension)
+    prescribed_displacement = np.zeros(space.dimension)
     if isinstance(load, Frame):
-        return travel
+        return prescribed_displacement
     if isinstance(load, Ends):
         return np.array(load.displacement)
     if load.displacement is not None:
-        travel[:2] = load.displacement
-        return travel
+        prescribed_displacement[:2] = load.displacement
+        return prescribed_displacement
     low, high = space.bodies.extent[:, 1]
     assert load.stretch is not None
-    travel[1] = (load.stretch - 1) * (high - low)
-    return travel
+    prescribed_displacement[1] = (load.stretch - 1) * (high - low)
+    return prescribed_displacement
 
 
-def _plates_motion(space: DisplacementSpace, travel: Array, ends: list[Support]) -> PrescribedMotion:
-    """Plates move rigidly; in between, the carried field grows in proportion to the height."""
+def _plates_motion(space: DisplacementSpace, prescribed_displacement: Array, ends: list[Support]) -> PrescribedMotion:
+    """Plates move rigidly; in between, the lifting grows in proportion to the height."""
     height = space.rest[1]
     lower = height[_vertices(space, LOWER_PLATE)].max()
     upper = height[_vertices(space, UPPER_PLATE)].min()
 
-    def carried(at: Array) -> Array:
-        return travel[:, None] * np.clip((at[1] - lower) / (upper - lower), 0, 1)
+    def lifting(at: Array) -> Array:
+        return prescribed_displacement[:, None] * np.clip((at[1] - lower) / (upper - lower), 0, 1)
 
     dimension = space.dimension
     whole, still = (True,) * dimension, np.zeros((dimension, dimension))
-    plates = [Support(LOWER_PLATE, still, np.zeros(dimension), whole), Support(UPPER_PLATE, still, travel, whole)]
-    return PrescribedMotion(space, [*ends, *plates], carried)
+    plates = [
+        Support(LOWER_PLATE, still, np.zeros(dimension), whole),
+        Support(UPPER_PLATE, still, prescribed_displacement, whole),
+    ]
+    return PrescribedMotion(space, [*ends, *plates], lifting)
 
 
 def _vertices(space: DisplacementSpace, region: str) -> NDArray[np.int64]:

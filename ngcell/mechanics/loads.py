@@ -1,6 +1,6 @@
 """Loads on boundaries and in bodies, which grow in proportion to the load factor, as energies.
 
-A *traction* t for each reference length (or area, in space) has the potential ``-integral of t . u``, and so has a
+A *traction* t for each reference length (or area, in three dimensions) has the potential ``-integral of t . u``, and so has a
 *body force* for each reference area (or volume).
 
 A *pressure* p > 0 pushes on the body as it deforms. With the outward normal N at rest, its force for each reference

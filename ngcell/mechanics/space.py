@@ -79,9 +79,7 @@ class DisplacementSpace:
         body = np.zeros(self.size, dtype=np.int64)
         if self.bodies.body_count == 1:
             return body
-        for element, number in zip(
-            self.bodies.mesh.Elements(ngsolve.VOL), self.bodies.body_of_element, strict=True
-        ):
+        for element, number in zip(self.bodies.mesh.Elements(ngsolve.VOL), self.bodies.body_of_element, strict=True):
             body[list(self.scalar.GetDofNrs(element))] = number
         return body
 
@@ -99,9 +97,9 @@ class DisplacementSpace:
         marked = self.scalar.GetDofs(self.bodies.mesh.Boundaries(names))
         return np.flatnonzero(np.fromiter(marked, dtype=bool, count=self.size))
 
-    def affine(self, gradient: Array, shift: Array) -> Array:
-        """Return ``gradient @ X + shift`` as unknowns, shape (dimension, size)."""
-        return np.asarray(gradient @ self.rest + shift[:, None] * self.one)
+    def affine(self, gradient: Array, translation: Array) -> Array:
+        """Return ``gradient @ X + translation`` as unknowns, shape (dimension, size)."""
+        return np.asarray(gradient @ self.rest + translation[:, None] * self.one)
 
     def function(self, displacement: Array) -> ngsolve.GridFunction:
         """Return the displacement with these unknowns as an NGSolve function."""

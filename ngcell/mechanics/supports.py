@@ -1,8 +1,8 @@
 """What is prescribed: supports, and the displacement they have at each load factor.
 
 A support moves a boundary region by an affine map of the reference position, which grows in proportion to the load
-factor. The *carried field* is where the load would take all bodies if they followed it like a sheet: it starts
-minimisations, and anchors those cells that nothing holds.
+factor. The *lifting* is where the load would take all bodies if they followed it like a sheet: it starts
+minimisations, and centres those cells that nothing holds.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Support:
-    """A boundary region with prescribed displacement ``load_factor * (gradient @ X + shift)``.
+    """A boundary region with prescribed displacement ``load_factor * (gradient @ X + translation)``.
 
     Attributes
     ----------
@@ -28,7 +28,7 @@ class Support:
         Name of the boundary region, or a regular expression.
     gradient : array of float, shape (dimension, dimension)
         Displacement gradient at load factor 1, without unit.
-    shift : array of float, shape (dimension,)
+    translation : array of float, shape (dimension,)
         Displacement of the origin at load factor 1 [length].
     components : tuple of bool
         Which components are prescribed; the others are free.
@@ -36,7 +36,7 @@ class Support:
 
     region: str
     gradient: Array
-    shift: Array
+    translation: Array
     components: tuple[bool, ...] = (True, True)
 
 
@@ -49,8 +49,8 @@ class PrescribedMotion:
         The unknowns.
     supports : sequence of Support
         The supports; where two meet, the later one counts.
-    carried : callable, optional
-        Displacement at load factor 1 of reference positions, both of shape (dimension, n): the carried field inside the
+    held : callable, optional
+        Displacement at load factor 1 of reference positions, both of shape (dimension, n): the lifting inside the
         tissue. By default there is none, and bodies start where they were.
     """
 
@@ -58,24 +58,24 @@ class PrescribedMotion:
         self,
         space: DisplacementSpace,
         supports: Sequence[Support],
-        carried: Callable[[Array], Array] | None = None,
+        lifting: Callable[[Array], Array] | None = None,
     ) -> None:
         self._space = space
         self.supports = tuple(supports)
         self.fixed = np.zeros((space.dimension, space.size), dtype=bool)
         self._final = np.zeros((space.dimension, space.size))
-        self._carried = None if carried is None else carried(space.rest) * space.one
+        self._lifting = None if lifting is None else lifting(space.rest) * space.one
         for support in supports:
             unknowns = space.region_unknowns(support.region)
-            motion = space.affine(np.asarray(support.gradient, float), np.asarray(support.shift, float))
+            motion = space.affine(np.asarray(support.gradient, float), np.asarray(support.translation, float))
             for axis in np.flatnonzero(support.components):
                 self.fixed[axis, unknowns] = True
                 self._final[axis, unknowns] = motion[axis, unknowns]
 
     @property
-    def has_carried_field(self) -> bool:
-        """Whether the load determines a carried field."""
-        return self._carried is not None
+    def has_lifting(self) -> bool:
+        """Whether the load determines a lifting."""
+        return self._lifting is not None
 
     def imposed(self, displacement: Array, load_factor: float) -> Array:
         """Return a displacement with the prescribed values of this load factor in place."""
@@ -83,9 +83,9 @@ class PrescribedMotion:
         moved[self.fixed] = load_factor * self._final[self.fixed]
         return moved.ravel()
 
-    def carried(self, load_factor: float) -> Array:
-        """Return the carried field at this load factor, shape (unknowns,)."""
-        field = np.zeros(self.fixed.shape) if self._carried is None else load_factor * self._carried
+    def lifting(self, load_factor: float) -> Array:
+        """Return the lifting at this load factor, shape (unknowns,)."""
+        field = np.zeros(self.fixed.shape) if self._lifting is None else load_factor * self._lifting
         return self.imposed(field, load_factor)
 
     def rate(self, load_factor: float) -> Array:

@@ -1,16 +1,16 @@
-"""What a boundary under pressure sweeps as it moves: an area in the plane, a volume in space.
+"""What a boundary under pressure sweeps as it moves: an area in the plane, a volume in three dimensions.
 
 The pressure's potential is the pressure times that. A boundary that moves from X to X + u in a straight line sweeps
 
     integral of u . (N + cof(F) N) / 2                              in the plane,
-    integral of u . (N + (cof(F) N - N - cof(G) N) / 2 + cof(G) N / 3)     in space,    F = I + G, G = grad u,
+    integral of u . (N + (cof(F) N - N - cof(G) N) / 2 + cof(G) N / 3)     in three dimensions,    F = I + G, G = grad u,
 
 with N the outward normal at rest; ``cof(F) N`` needs derivatives along the boundary only. The variation of this is the
 force ``cof(F) N`` plus a term at the boundary's rim that is linear in ``u x du``, so it vanishes where
 
 - there is no rim, or what follows is under the same pressure;
 - the rim is held: du = 0 there, even if its support moves;
-- it slides along a straight line, or in space in a plane, that stays in place.
+- it slides along a straight line, or in three dimensions in a plane, that stays in place.
 
 At sliding rims the term pushes against the support; it is taken out of the forces, so that supports bear what the
 pressure hands to them.
@@ -81,7 +81,7 @@ class SweptArea:
 
 
 class SweptVolume:
-    """Volumes that surfaces in space sweep; parameters as for `SweptArea`."""
+    """Volumes that surfaces in three dimensions sweep; parameters as for `SweptArea`."""
 
     def __init__(self, space: DisplacementSpace, pressures: Mapping[str, float]) -> None:
         self._space, self._pressures = space, pressures

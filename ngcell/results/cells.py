@@ -1,4 +1,4 @@
-"""What is reported of each cell: the pressure in it, and the clump of cells still joined that it belongs to."""
+"""What is reported of each cell: the pressure in it, and the connected component of cells still joined that it belongs to."""
 
 from __future__ import annotations
 
@@ -10,37 +10,37 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.assembly import Assembly
 from ngcell.mechanics.filling import filling_pressures
-from ngcell.results.measure import Measurement, Scene, clumps
+from ngcell.problem.assembly import Assembly
+from ngcell.results.measure import Measurement, Scene, cell_components
 from ngcell.results.record import CellRecord, WallRecord
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Clumps:
+class CellComponents:
     """Bodies joined by walls that have not parted.
 
     Attributes
     ----------
     of_body : array of int, shape (bodies,)
         Clump that each body belongs to.
-    sizes : array of int, shape (clumps,)
-        Number of bodies of each clump.
+    sizes : array of int, shape (components,)
+        Number of bodies of each component.
     """
 
     of_body: NDArray[np.int64]
     sizes: NDArray[np.int64]
 
 
-def find_clumps(scene: Scene, assembly: Assembly, measured: Measurement) -> Clumps:
-    """Return the clumps of a step; the compact solid is one."""
+def find_components(scene: Scene, assembly: Assembly, measured: Measurement) -> CellComponents:
+    """Return the components of a step; the tied solid is one."""
     count = assembly.space.bodies.body_count
-    clump = np.zeros(count, dtype=np.int64)
+    component = np.zeros(count, dtype=np.int64)
     if assembly.contact is not None:
-        clump = clumps(scene, measured, assembly.space.bodies.thickness)
-    return Clumps(clump, np.bincount(clump))
+        component = cell_components(scene, measured, assembly.space.bodies.thickness)
+    return CellComponents(component, np.bincount(component))
 
 
 def cell_pressures(assembly: Assembly, displacement: Array, given: Array | None) -> Array | None:
@@ -66,7 +66,7 @@ def cell_pressures(assembly: Assembly, displacement: Array, given: Array | None)
 
 
 def cell_records(
-    found: Clumps, measured: Measurement, step: int, plate_displacement: float, pressure: Array | None
+    found: CellComponents, measured: Measurement, step: int, plate_displacement: float, pressure: Array | None
 ) -> list[CellRecord]:
     """Return a row for each cell of a step."""
     return [
@@ -76,11 +76,11 @@ def cell_records(
             plate_displacement=plate_displacement,
             cell=cell,
             pressure=0.0 if pressure is None else float(pressure[cell]),
-            clump=int(clump),
-            clump_size=int(found.sizes[clump]),
+            component=int(component),
+            component_size=int(found.sizes[component]),
             held=cell not in measured.free_bodies,
         )
-        for cell, clump in enumerate(found.of_body)
+        for cell, component in enumerate(found.of_body)
     ]
 
 
@@ -89,11 +89,11 @@ def debonding(walls: Sequence[WallRecord], cells: Sequence[CellRecord]) -> dict[
     if not cells:
         return {}
     pressures = [row.pressure for row in cells]
-    sizes = {row.clump: row.clump_size for row in cells}
+    sizes = {row.component: row.component_size for row in cells}
     return {
         "wall_pairs_opened": sum(not isnan(row.onset) for row in walls),
         "wall_pairs_parted": sum(row.parted for row in walls),
-        "clump_sizes": sorted(sizes.values(), reverse=True),
+        "component_sizes": sorted(sizes.values(), reverse=True),
         "smallest_cell_pressure": min(pressures),
         "largest_cell_pressure": max(pressures),
     }

@@ -37,8 +37,8 @@ MEANING = {
     "body_balance": "largest force out of balance on a body over the largest force in play",
     "plate_balance": "sum of all support forces over the largest force in play",
     "smallest_jacobian": "smallest ratio of deformed to reference volume; must exceed the limit",
-    "stabilisation": "norm of the nodal forces of what is left of the tether over that of the internal forces",
-    "work_mismatch": "work of the supports minus change of energy, beyond quadrature, over the energy; compact steps",
+    "stabilisation": "norm of the nodal forces of what is left of the proximal term over that of the internal forces",
+    "work_mismatch": "work of the supports minus change of energy, beyond quadrature, over the energy; tied steps",
     "energy_balance": "work minus change of stored energy, energy of separation and losses, over what a step moves; "
     "with cohesion",
 }

@@ -8,8 +8,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.assembly import Assembly
-from ngcell.contact.state import State
+from ngcell.problem.assembly import Assembly
+from ngcell.problem.state import State
 from ngcell.results.certificate import LIMITS, Certificate, Check
 from ngcell.results.fields import jacobian_range
 from ngcell.results.forces import ContactForces, body_resultants
@@ -49,14 +49,14 @@ class NodalForces:
         What supports exert on the bodies.
     load : array of float
         What loads exert on the bodies.
-    tether : array of float
-        What is left of the tether.
+    proximal term : array of float
+        What is left of the proximal term.
     """
 
     internal: Array
     reaction: Array
     load: Array
-    tether: Array
+    proximal: Array
 
 
 def certify(
@@ -72,7 +72,7 @@ def certify(
     Parameters
     ----------
     assembly : Assembly
-        What was solved: compact or released.
+        What was solved: tied or released.
     state : State
         The accepted state.
     nodal : NodalForces
@@ -96,7 +96,7 @@ def certify(
             Check("body_balance", _body_balance(assembly, forces, nodal, scale)),
             Check("plate_balance", _plate_balance(assembly, forces, nodal, scale)),
             Check("smallest_jacobian", jacobian_range(assembly, state.displacement)[0]),
-            Check("stabilisation", _share(nodal.tether, nodal.internal, scale)),
+            Check("stabilisation", _share(nodal.proximal, nodal.internal, scale)),
             Check("work_mismatch", _work_mismatch(assembly, unstored_work, state.energy, scale)),
             *(() if account is None else (Check("energy_balance", account.mismatch_share),)),
         )
@@ -123,7 +123,7 @@ def _share(force: Array, internal: Array, scale: _Scales) -> float:
 
 
 def _residual(assembly: Assembly, state: State, nodal: NodalForces, scale: _Scales) -> float:
-    out_of_balance = assembly.gradient(state) - assembly.gather(nodal.tether)
+    out_of_balance = assembly.gradient(state) - assembly.gather(nodal.proximal)
     residual = _share(out_of_balance[assembly.free], nodal.internal, scale)
     if residual <= LIMITS["residual"] or state.contact is None or not np.isfinite(residual):
         return residual
@@ -132,7 +132,7 @@ def _residual(assembly: Assembly, state: State, nodal: NodalForces, scale: _Scal
 
 
 def _last_digits(assembly: Assembly, state: State) -> Array:
-    """Return the forces that the last digits of positions stand for: ``eps |K| |x|``, K with the closed springs."""
+    """Return the forces that the last digits of positions stand for: ``eps |K| |x|``, K with the closed penalty terms."""
     line = assembly.linearise(state)
     place = np.abs(assembly.positions(state.displacement)).ravel()
     row, column = assembly.pattern
@@ -141,13 +141,13 @@ def _last_digits(assembly: Assembly, state: State) -> Array:
     off = row != column
     force += np.bincount(column[off], (stiffness * place[row])[off], len(place))
     slopes = abs(line.jacobian)
-    force += slopes.T @ (line.spring * (line.gap < 0) * (slopes @ place))
+    force += slopes.T @ (line.penalty * (line.gap < 0) * (slopes @ place))
     return np.asarray(np.finfo(float).eps * force)
 
 
 def _penetration(assembly: Assembly, state: State) -> float:
     if assembly.contact is None or state.contact is None:
-        return 0.0  # The compact solid has no contact: what it leaves untied, at rounded corners, may overlap.
+        return 0.0  # The tied solid has no contact: what it leaves untied, at rounded corners, may overlap.
     positions, walls = assembly.positions(state.displacement), assembly.contact.walls
     gaps = state.contact.kinematics.gaps(positions)
     seen = deepest_overlap_of_bodies(assembly.space, walls, positions)
@@ -157,15 +157,15 @@ def _penetration(assembly: Assembly, state: State) -> float:
 def _tension(assembly: Assembly, state: State) -> float:
     if state.contact is None:
         return 0.0
-    push = state.contact.pushes(assembly.positions(state.displacement))
-    return max(0.0, -float(push.min(initial=0.0)))
+    normal_force = state.contact.contact_forces(assembly.positions(state.displacement))
+    return max(0.0, -float(normal_force.min(initial=0.0)))
 
 
 def _complementarity(assembly: Assembly, state: State, scale: _Scales) -> float:
     if state.contact is None:
         return 0.0
     positions = assembly.positions(state.displacement)
-    work = state.contact.pushes(positions) @ state.contact.kinematics.gaps(positions)
+    work = state.contact.contact_forces(positions) @ state.contact.kinematics.gaps(positions)
     return abs(float(work)) / max(state.energy, scale.energy)
 
 
@@ -193,9 +193,7 @@ def _largest_force(forces: ContactForces, reaction_of_body: Array) -> float:
     return float(max(sizes))
 
 
-def _body_balance(
-    assembly: Assembly, forces: ContactForces, nodal: NodalForces, scale: _Scales
-) -> float:
+def _body_balance(assembly: Assembly, forces: ContactForces, nodal: NodalForces, scale: _Scales) -> float:
     if assembly.contact is None:
         return 0.0
     held, loaded = body_resultants(assembly, nodal.reaction), body_resultants(assembly, nodal.load)
@@ -203,9 +201,7 @@ def _body_balance(
     return float(out_of_balance) / max(_largest_force(forces, held), scale.force)
 
 
-def _plate_balance(
-    assembly: Assembly, forces: ContactForces, nodal: NodalForces, scale: _Scales
-) -> float:
+def _plate_balance(assembly: Assembly, forces: ContactForces, nodal: NodalForces, scale: _Scales) -> float:
     held, loaded = body_resultants(assembly, nodal.reaction), body_resultants(assembly, nodal.load)
     return float(np.linalg.norm((held + loaded).sum(0))) / max(_largest_force(forces, held), scale.force)
 

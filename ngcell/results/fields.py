@@ -12,17 +12,17 @@ import ngsolve
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.assembly import Assembly
-from ngcell.contact.walls import Walls
+from ngcell.contact.surface.walls import Walls
 from ngcell.errors import GeometryError
 from ngcell.mechanics.space import DisplacementSpace
+from ngcell.problem.assembly import Assembly
 from ngcell.results.patterns import Pattern, pattern_of, wall_pattern
 from ngcell.results.snapshot import Grid, Snapshot
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-#: Elements that can be drawn, in the plane and in space; a mesh has one kind only.
+#: Elements that can be drawn, in the plane and in three dimensions; a mesh has one kind only.
 _DRAWN = ({ngsolve.ET.QUAD}, {ngsolve.ET.TRIG}, {ngsolve.ET.TET}, {ngsolve.ET.HEX}, {ngsolve.ET.PRISM})
 
 
@@ -121,11 +121,11 @@ def _bulk_grid(
     cell_id = body[cells[:, 0]]
     held = {} if cell_pressure is None else {"cell_pressure": cell_pressure[cell_id]}
     return Grid(
-        points=_in_space(ngsolve.CF((ngsolve.x, ngsolve.y, ngsolve.z)[: space.dimension])(places)),
+        points=_three_components(ngsolve.CF((ngsolve.x, ngsolve.y, ngsolve.z)[: space.dimension])(places)),
         cells=cells,
         cell_type=pattern.cell_type,
         point_data={
-            "displacement": _in_space(space.function(displacement)(places)),
+            "displacement": _three_components(space.function(displacement)(places)),
             "J": np.linalg.det(gradient),
             "cauchy_stress": stress.reshape(-1, 9),
             "von_mises": _von_mises(stress),
@@ -141,11 +141,11 @@ def _walls_grid(walls: Walls, displacement: Array, gap: Array, contact_pressure:
     at_nodes = walls.basis.values(pattern.points[order])
     moved = walls.nodes(displacement.reshape(walls.dimension, -1))
     return Grid(
-        points=_in_space((at_nodes @ walls.rest).reshape(-1, walls.dimension)),
+        points=_three_components((at_nodes @ walls.rest).reshape(-1, walls.dimension)),
         cells=np.arange(len(order) * walls.edge_count).reshape(-1, len(order)),
         cell_type=pattern.cell_type,
         point_data={
-            "displacement": _in_space((at_nodes @ moved).reshape(-1, walls.dimension)),
+            "displacement": _three_components((at_nodes @ moved).reshape(-1, walls.dimension)),
             "gap": gap[:, order].ravel(),
             "contact_pressure": contact_pressure[:, order].ravel(),
         },
@@ -199,5 +199,5 @@ def _repeat_cells(pattern: Pattern, point_count: int) -> Index:
     return (first[:, None, None] + pattern.cells).reshape(-1, pattern.cells.shape[1])
 
 
-def _in_space(vectors: Array) -> Array:
+def _three_components(vectors: Array) -> Array:
     return np.column_stack([vectors, np.zeros((len(vectors), 3 - vectors.shape[1]))])

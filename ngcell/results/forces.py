@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.assembly import Assembly
-from ngcell.contact.state import State
+from ngcell.problem.assembly import Assembly
+from ngcell.problem.state import State
 
 Array = NDArray[np.float64]
 
@@ -30,7 +30,7 @@ class ContactForces:
     on_body : array of float, shape (bodies, dimension)
         Sum of these forces on each body.
     pressed : array of float, shape (bodies,)
-        Sum of the magnitudes of the forces between each body and its partners.
+        Sum of the magnitudes of the forces between each body and its contact pairs.
     """
 
     bodies: NDArray[np.int64]
@@ -58,14 +58,14 @@ def contact_forces(assembly: Assembly, state: State) -> ContactForces:
     if assembly.contact is None or state.contact is None:
         nobody = np.zeros((0, 2), dtype=np.int64)
         return ContactForces(nobody, np.zeros((0, dimension)), np.zeros((count, dimension)), np.zeros(count))
-    partners = state.contact.kinematics.partners
+    pairs = state.contact.kinematics.pairs
     positions = assembly.positions(state.displacement)
     _, slopes = state.contact.kinematics.slopes(positions)
-    push = state.contact.pushes(positions)
-    closed = push > 0
-    force = push[closed, None] * slopes[closed, :dimension]
+    normal_force = state.contact.contact_forces(positions)
+    closed = normal_force > 0
+    force = normal_force[closed, None] * slopes[closed, :dimension]
     body = assembly.contact.walls.body
-    mine, theirs = body[partners.edge[closed]], body[partners.other[closed]]
+    mine, theirs = body[pairs.edge[closed]], body[pairs.other[closed]]
     on_lower = np.where((mine < theirs)[:, None], force, -force)
     key = np.minimum(mine, theirs) * count + np.maximum(mine, theirs)
     if assembly.bonds is not None:

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.assembly import Assembly
-from ngcell.contact.facing import FacingWalls
-from ngcell.contact.state import State
-from ngcell.contact.walls import Walls
+from ngcell.contact.pairing.facing import FacingWalls
+from ngcell.contact.surface.walls import Walls
 from ngcell.geometry.near import components
 from ngcell.mechanics.supports import PrescribedMotion
+from ngcell.problem.assembly import Assembly
+from ngcell.problem.state import State
 from ngcell.results.certificate import Certificate
 from ngcell.results.checks import Account, NodalForces, certify
 from ngcell.results.forces import ContactForces, body_resultants, contact_forces
@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 #: A wall counts as open where its gap exceeds this share of the wall's thickness.
 OPEN = 1e-2
-#: A body is held by nothing if the contacts press it no more than this multiple of what the tether pulls.
+#: A body is held by nothing if the contacts press it no more than this multiple of what the proximal term pulls.
 HELD = 10.0
 
 
@@ -40,7 +40,7 @@ class Scene:
         The supports.
     moved : str
         Region of the support whose force and displacement are reported; a regular expression.
-    travel : array of float, shape (dimension,)
+    prescribed displacement : array of float, shape (dimension,)
         Displacement of that support at load factor 1 [length].
     """
 
@@ -48,7 +48,7 @@ class Scene:
     facing: FacingWalls
     motion: PrescribedMotion
     moved: str
-    travel: Array
+    prescribed_displacement: Array
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,7 @@ def measure(
     state: State,
     *,
     load_factor: float,
-    tether_force: Array,
+    proximal_force: Array,
     before: WorkPoint | None,
     account: Account | None = None,
 ) -> Measurement:
@@ -154,13 +154,13 @@ def measure(
     scene : Scene
         The walls and supports.
     assembly : Assembly
-        What was solved: compact or released.
+        What was solved: tied or released.
     state : State
         The accepted state.
     load_factor : float
         In [0, 1].
-    tether_force : array of float, shape (unknowns,)
-        Nodal forces that the tether exerts on the bodies [stress * length].
+    proximal_force : array of float, shape (unknowns,)
+        Nodal forces that the proximal term exerts on the bodies [stress * length].
     before : WorkPoint, optional
         The accepted step before, of the same phase.
     account : Account, optional
@@ -171,28 +171,28 @@ def measure(
     nodes = scene.walls.nodes(positions)
     gap = scene.facing.gaps(scene.walls, nodes)
     loads = assembly.bulk.loads
-    pushed = np.zeros_like(displacement) if loads is None else -loads.gradient(displacement)
-    internal = assembly.bulk.gradient(displacement) + pushed
+    applied = np.zeros_like(displacement) if loads is None else -loads.gradient(displacement)
+    internal = assembly.bulk.gradient(displacement) + applied
     fluid = assembly.fluid
     filling_rate = 0.0
     if fluid is not None:
-        pushed = pushed - fluid.gradient(displacement)
+        applied = applied - fluid.gradient(displacement)
         filling_rate = fluid.filling_rate(displacement)
     contact = assembly.contact_force(state)
     if assembly.bonds is not None:
         contact = contact + assembly.bonds.gradient(positions)
-    # Supports carry what internal, contact, bond, load and tether forces leave.
-    reaction = assembly.reactions(internal + contact - pushed - tether_force)
+    # Supports have what internal, contact, bond, load and proximal term forces leave.
+    reaction = assembly.reactions(internal + contact - applied - proximal_force)
     work_rate = float(reaction @ scene.motion.rate(load_factor))
     forces = contact_forces(assembly, state)
     plate_force = scene.motion.resultant(reaction, scene.moved)
-    free = _held_by_nothing(assembly, scene, forces, tether_force) if assembly.contact is not None else ()
+    free = _held_by_nothing(assembly, scene, forces, proximal_force) if assembly.contact is not None else ()
     load_potential = 0.0 if loads is None else loads.potential(displacement, 1.0)
     acting = loads or fluid
     load_share = 0.0 if acting is None else acting.share(load_factor)
     work = WorkPoint(load_factor, load_share, state.energy, work_rate, load_potential, filling_rate)
     surplus = 0.0 if account is not None else _surplus_of_work(before, work)
-    nodal = NodalForces(internal, reaction, pushed, tether_force)
+    nodal = NodalForces(internal, reaction, applied, proximal_force)
     certificate = certify(assembly, state, nodal, forces, surplus, account)
     return Measurement(
         load_factor,
@@ -220,11 +220,9 @@ def pair_gaps(facing: FacingWalls, measured: Measurement) -> Array:
     return np.bincount(facing.pair, facing.weight * measured.gap, count) / length
 
 
-def wall_records(
-    scene: Scene, measured: Measurement, step: int, thickness: float, onset: Array
-) -> list[WallRecord]:
+def wall_records(scene: Scene, measured: Measurement, step: int, thickness: float, onset: Array) -> list[WallRecord]:
     """Return a row for each facing pair of a step; `onset` is where each has opened, shape (pairs,)."""
-    facing, clump = scene.facing, clumps(scene, measured, thickness)
+    facing, component = scene.facing, cell_components(scene, measured, thickness)
     count = len(facing.pairs)
     is_open = measured.gap > OPEN * thickness
     largest = np.full(count, -np.inf)
@@ -245,7 +243,7 @@ def wall_records(
             force=float(force[pair]),
             opened_share=float(share[pair]),
             parted=bool(parted[pair]),
-            clump=int(clump[one]),
+            component=int(component[one]),
             onset=float(onset[pair]),
         )
         for pair, (one, two) in enumerate(facing.pairs)
@@ -259,8 +257,8 @@ def parted_pairs(scene: Scene, measured: Measurement, thickness: float) -> NDArr
     return np.asarray(np.bincount(facing.pair[closed], minlength=len(facing.pairs)) == 0)
 
 
-def clumps(scene: Scene, measured: Measurement, thickness: float) -> NDArray[np.int64]:
-    """Return the clump that each body belongs to, shape (bodies,): bodies joined by walls that have not parted."""
+def cell_components(scene: Scene, measured: Measurement, thickness: float) -> NDArray[np.int64]:
+    """Return the component that each body belongs to, shape (bodies,): bodies joined by walls that have not parted."""
     joined = scene.facing.pairs[~parted_pairs(scene, measured, thickness)]
     return components(len(measured.forces.on_body), joined[:, 0], joined[:, 1])
 
@@ -291,10 +289,8 @@ def _surplus_of_work(before: WorkPoint | None, now: WorkPoint) -> float:
     return float(np.sign(mismatch) * max(abs(mismatch) - allowed, 0.0))
 
 
-def _held_by_nothing(
-    assembly: Assembly, scene: Scene, forces: ContactForces, tether_force: Array
-) -> tuple[int, ...]:
-    pull = np.linalg.norm(body_resultants(assembly, tether_force), axis=1)
+def _held_by_nothing(assembly: Assembly, scene: Scene, forces: ContactForces, proximal_force: Array) -> tuple[int, ...]:
+    pull = np.linalg.norm(body_resultants(assembly, proximal_force), axis=1)
     supported = np.unique(assembly.space.body_of_unknown[scene.motion.fixed.any(0)])
     free = forces.pressed <= HELD * pull
     free[supported] = False

@@ -5,7 +5,7 @@ each body becomes a polygon, and points of every wall are tested against the pol
 outline's holes count only where they are walls. A hollow cell whose lumen is no wall is filled: a cell that
 it swallowed overlaps it. A body whose outline is not walls all around becomes the polygon of all its boundaries.
 
-A polygon follows each edge by `_CHORDS` chords, so a depth is right to about the edge's bulge / `_CHORDS`**2.
+A polygon follows each edge by `_CHORDS` chords, so a depth is right to about the edge's sagitta / `_CHORDS`**2.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ngcell.contact.walls import Walls, find_walls
+from ngcell.contact.surface.walls import Walls, find_walls
 from ngcell.mechanics.space import DisplacementSpace
 
 Array = NDArray[np.float64]
@@ -30,7 +30,7 @@ _CHORDS = 16
 
 def deepest_overlap_of_bodies(space: DisplacementSpace, walls: Walls, positions: Array) -> float:
     """Return the largest depth [length], >= 0, by which a wall point of a body lies inside another body, in the plane
-    or in space.
+    or in three dimensions.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def deepest_overlap_of_bodies(space: DisplacementSpace, walls: Walls, positions:
         Deformed positions as unknowns [length].
     """
     if walls.dimension == 3:
-        from ngcell.results.space_overlap import deepest_overlap_of_solids
+        from ngcell.results.solid_overlap import deepest_overlap_of_solids
 
         return deepest_overlap_of_solids(space, walls, positions)
     whole = _all_boundaries(space, walls)
@@ -96,9 +96,7 @@ def deepest_overlap(walls: Walls, nodes: Array, whole: tuple[Walls, Array] | Non
     return float(depth.max(initial=0.0))
 
 
-def _outline_of_each(
-    walls: Walls, nodes: Array, bodies: Index, polygons: NDArray[np.object_]
-) -> NDArray[np.object_]:
+def _outline_of_each(walls: Walls, nodes: Array, bodies: Index, polygons: NDArray[np.object_]) -> NDArray[np.object_]:
     """Return the walls of each body as lines, and all of its boundary where it has no walls."""
     order = np.argsort(walls.body, kind="stable")
     present, number = np.unique(walls.body[order], return_inverse=True)

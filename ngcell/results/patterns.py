@@ -1,7 +1,7 @@
 """How elements are drawn: points in their reference coordinates, and the VTK cells that join these.
 
 Up to order 2 one VTK cell shows one element without loss of displacement. In the plane an element takes 2 x 2 cells
-from order 3 on, whose points carry exact values while VTK's quadratics in between do not; in space it stays one cell.
+from order 3 on, whose points have exact values while VTK's quadratics in between do not; in three dimensions it stays one cell.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import ngsolve
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.walls import Walls
+from ngcell.contact.surface.walls import Walls
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -26,7 +26,7 @@ _QUADRATIC_TETRA, _TRIQUADRATIC_HEXAHEDRON, _BIQUADRATIC_WEDGE = 24, 29, 32
 _QUAD_NODES = np.array([(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1), (1, 1)])
 _TRIANGLE_NODES = np.array([(0, 0), (2, 0), (0, 2), (1, 0), (1, 1), (0, 1)])
 
-#: Corners of cells in space, in reference coordinates, and which of them VTK's further nodes are in the middle of:
+#: Corners of cells in three dimensions, in reference coordinates, and which of them VTK's further nodes are in the middle of:
 #: first edges, then sides, then the whole.
 _TETRA_CORNERS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
 _TETRA_MIDDLES = [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)]
@@ -98,9 +98,7 @@ def _numbered(nodes: Index, width: int, cell_type: int) -> Pattern:
     return Pattern(points / width, number.reshape(nodes.shape[:2]), cell_type)
 
 
-def _one_cell(
-    corners: Sequence[tuple[int, ...]], middles: Sequence[tuple[int, ...]], cell_type: int
-) -> Pattern:
+def _one_cell(corners: Sequence[tuple[int, ...]], middles: Sequence[tuple[int, ...]], cell_type: int) -> Pattern:
     at = np.array(corners, dtype=float)
     points = np.concatenate([at, [at[list(middle)].mean(0) for middle in middles]])
     return Pattern(points, np.arange(len(points))[None], cell_type)

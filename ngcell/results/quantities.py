@@ -1,4 +1,4 @@
-"""Numbers that drawn bodies are held to, measured on an accepted step.
+"""Numbers that user-defined bodies are held to, measured on an accepted step.
 
 A closed list: each quantity is one function here and one name in `ngcell.scene.expected`. Forces come from resultants,
 pressures from walls, each pressure for the deformed length. What is measured along a wall is measured along the first
@@ -14,11 +14,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.assembly import Assembly
-from ngcell.contact.search import nearest_on_body
-from ngcell.contact.state import State
-from ngcell.contact.walls import WallPoints, Walls, find_walls
+from ngcell.contact.pairing.search import nearest_on_body
+from ngcell.contact.surface.walls import WallPoints, Walls, find_walls
 from ngcell.mechanics.supports import PrescribedMotion
+from ngcell.problem.assembly import Assembly
+from ngcell.problem.state import State
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -84,7 +84,7 @@ class View:
     def nominal_pressures(self, boundary: str) -> tuple[Array, Array, Array]:
         """Return pressures at points of a wall and the length that each point stands for.
 
-        Pressures are for each length at rest [stress]; lengths are those at rest and deformed [length].
+        Pressures are per reference length [stress]; lengths are those at rest and deformed [length].
         """
         edge, xi = np.repeat(self.edges(boundary), _PER_EDGE), (np.arange(_PER_EDGE) + 0.5) / _PER_EDGE
         xi = np.tile(xi, len(edge) // _PER_EDGE)
@@ -111,7 +111,7 @@ def mean_radius(view: View, boundary: str) -> float:
     equations = np.column_stack([2 * rest, np.ones(len(rest))])
     centre = np.linalg.lstsq(equations, (rest**2).sum(1))[0][:2]
     nodes = outline.nodes(view.positions)
-    distance = np.linalg.norm(outline.station_values @ nodes - centre, axis=2)
+    distance = np.linalg.norm(outline.quadrature_values @ nodes - centre, axis=2)
     return float(np.average(distance, weights=_lengths(outline, nodes)))
 
 
@@ -128,7 +128,7 @@ def force_y(view: View, boundary: str) -> float:
 def gap(view: View, one: str, two: str) -> float:
     """Mean distance of a wall to the nearest walls of the other body [length], open > 0."""
     edges, walls = view.edges(one), view.walls
-    points = (walls.station_values @ view.nodes[edges]).reshape(-1, 2)
+    points = (walls.quadrature_values @ view.nodes[edges]).reshape(-1, 2)
     body = np.full(len(points), walls.body[view.edges(two)[0]])
     weights = _lengths(walls, view.nodes)[edges].ravel()
     return float(np.average(nearest_on_body(walls, view.nodes, points, body), weights=weights))
@@ -138,10 +138,10 @@ def normal_force(view: View, one: str, two: str) -> float:
     """Sum of the magnitudes of the normal forces between two walls [stress * length], >= 0."""
     if view.state.contact is None:
         return 0.0
-    partners = view.state.contact.kinematics.partners
-    mine, theirs = view.boundary_of_edge[partners.edge], view.boundary_of_edge[partners.other]
+    pairs = view.state.contact.kinematics.pairs
+    mine, theirs = view.boundary_of_edge[pairs.edge], view.boundary_of_edge[pairs.other]
     between = ((mine == one) & (theirs == two)) | ((mine == two) & (theirs == one))
-    return float(view.state.contact.pushes(view.positions)[between].sum())
+    return float(view.state.contact.contact_forces(view.positions)[between].sum())
 
 
 def contact_pressure(view: View, one: str, two: str) -> float:
@@ -167,7 +167,7 @@ def contact_width(view: View, one: str, two: str) -> float:
 
 
 def nominal_peak_pressure(view: View, one: str, two: str) -> float:
-    """Largest force for each length at rest along a wall [stress], >= 0: the pressure of theories of small strain."""
+    """Largest force per reference length along a wall [stress], >= 0: the pressure of theories of small strain."""
     return float(view.nominal_pressures(one)[0].max())
 
 
@@ -197,7 +197,7 @@ QUANTITIES: dict[str, Callable[..., float]] = {
 
 def _lengths(walls: Walls, nodes: Array) -> Array:
     """Return the deformed length that each quadrature point stands for, shape (edges, points) [length]."""
-    slopes = walls.basis.values(walls.stations, 1)
+    slopes = walls.basis.values(walls.quadrature_points, 1)
     speed, at_rest = (np.linalg.norm(slopes @ places, axis=2) for places in (nodes, walls.rest))
     return np.asarray(walls.weights * speed / at_rest)
 

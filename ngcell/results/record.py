@@ -1,7 +1,7 @@
 """The kinds of table row that a run leaves: one of an accepted step, one of a pair of walls in it, one of a cell.
 
 The fields, in this order, are the columns of `history.csv`, `walls.csv` and `cells.csv`. A gap is positive where two
-walls are apart and negative where they overlap; a contact pressure is never negative. Lengths carry the unit of the
+walls are apart and negative where they overlap; a contact pressure is never negative. Lengths have the unit of the
 case's `side`, stresses that of its material constants; a planar scene is taken one unit of length deep.
 """
 
@@ -19,8 +19,8 @@ class StepRecord:
     ----------
     step : int
         Number of the accepted step, from 0.
-    phase : {"compact", "contact"}
-        Whether the walls are tied to one compact solid, or are free to part.
+    phase : {"tied", "contact"}
+        Whether the walls are tied to one tied solid, or are free to part.
     load_factor : float
         Share of the case's full load, in [0, 1].
     plate_displacement : float
@@ -32,8 +32,8 @@ class StepRecord:
         Number of wall pairs that are apart along the whole middle half of the wall.
     opened_share : float
         Share of the facing wall length that is apart, in [0, 1].
-    clumps, largest_clump : int
-        Number of clumps of cells joined by walls that have not parted, and number of cells in the largest.
+    components, largest_component : int
+        Number of connected components of cells joined by walls that have not parted, and number of cells in the largest.
     plate_force_x, plate_force_y : float
         Force that the moved plate exerts on the tissue [stress * length**2], positive along the axis.
     contact_force : float
@@ -51,13 +51,13 @@ class StepRecord:
     bonded_share : float
         Share of the bonded wall length that never was opened beyond its strength, in [0, 1]; 0 without bonds.
     dissipation : float
-        Energy lost since rest as walls snapped or were let go at held plates [stress * length**3]; 0 without cohesion.
+        Energy lost since rest as walls snapped or were released at held plates [stress * length**3]; 0 without cohesion.
     plate_force_z : float
         As the other forces of the moved plate; 0 in a planar scene.
     """
 
     step: int
-    phase: Literal["compact", "contact"]
+    phase: Literal["tied", "contact"]
     load_factor: float
     plate_displacement: float
     largest_gap: float
@@ -65,8 +65,8 @@ class StepRecord:
     smallest_gap: float
     parted_pairs: int
     opened_share: float
-    clumps: int
-    largest_clump: int
+    components: int
+    largest_component: int
     plate_force_x: float
     plate_force_y: float
     contact_force: float
@@ -101,8 +101,8 @@ class WallRecord:
         Share of the wall's reference length that is apart, in [0, 1].
     parted : bool
         Whether the walls are apart along the whole middle half of the wall.
-    clump : int
-        Number of the clump of cells still joined that `cell_a` belongs to.
+    component : int
+        Number of the connected component of cells still joined that `cell_a` belongs to.
     onset : float
         Plate displacement at which the pair's mean gap first reached 5 % of the wall's thickness [length]; NaN where it
         has not.
@@ -117,7 +117,7 @@ class WallRecord:
     force: float
     opened_share: float
     parted: bool
-    clump: int
+    component: int
     onset: float
 
 
@@ -138,10 +138,10 @@ class CellRecord:
     pressure : float
         Pressure of what the cell holds [stress]: given, found as that of its fluid, or the mean one of its inclusion;
         0 in an empty cell.
-    clump : int
-        Number of the clump of cells that it belongs to, joined by walls that have not parted.
-    clump_size : int
-        Number of cells of this clump.
+    component : int
+        Number of the connected component of cells that it belongs to, joined by walls that have not parted.
+    component_size : int
+        Number of cells of this component.
     held : bool
         Whether anything holds the cell; one that floats has no place of its own.
     """
@@ -151,6 +151,6 @@ class CellRecord:
     plate_displacement: float
     cell: int
     pressure: float
-    clump: int
-    clump_size: int
+    component: int
+    component_size: int
     held: bool

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.assembly import Assembly
-from ngcell.contact.facing import FacingWalls
-from ngcell.contact.search import nearest_on_body
-from ngcell.contact.state import State
-from ngcell.contact.walls import WallPoints, Walls
+from ngcell.contact.pairing.facing import FacingWalls
+from ngcell.contact.pairing.search import nearest_on_body
+from ngcell.contact.surface.walls import WallPoints, Walls
+from ngcell.problem.assembly import Assembly
+from ngcell.problem.state import State
 from ngcell.results.patterns import wall_pattern
 
 Array = NDArray[np.float64]

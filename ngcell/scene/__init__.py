@@ -8,7 +8,7 @@ from ngcell.scene.case_of_bodies import BodyCase
 from ngcell.scene.catalogue import case_name, find_case, shipped_cases
 from ngcell.scene.cohesion import Cohesion
 from ngcell.scene.contact import Contact, Mortar, Penalty
-from ngcell.scene.drawn import Block, Disc, DrawnBody, Ring
+from ngcell.scene.drawn import Block, Disc, Ring, UserBody
 from ngcell.scene.expected import BodyExpected, Expected
 from ngcell.scene.kinds import AnyCase
 from ngcell.scene.load import Ends, Frame, Load, Plates
@@ -35,7 +35,7 @@ __all__ = [
     "Cohesion",
     "Contact",
     "Disc",
-    "DrawnBody",
+    "UserBody",
     "Ends",
     "Expected",
     "ExponentialFibres",

@@ -41,7 +41,7 @@ class Body:
     ----------
     shape : object
         A planar face of `netgen.occ` in the plane z = 0, or a solid [length]; all bodies alike. Edges of the face, or
-        faces of the solid, that carry a name can be supported by it; ``maxh`` on them refines the mesh there.
+        faces of the solid, that have a name can be supported by it; ``maxh`` on them refines the mesh there.
     material : MooneyRivlin
         What it is made of.
     name : str
@@ -65,7 +65,7 @@ class Body:
 
 @dataclass(frozen=True)
 class BodySupport:
-    """A boundary whose displacement is ``load_factor * (gradient @ X + shift)`` at the reference position X.
+    """A boundary whose displacement is ``load_factor * (gradient @ X + translation)`` at the reference position X.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ class BodySupport:
         ``<body>_hole1``, ...
     gradient : tuple of tuple of float, shape (dimension, dimension)
         Displacement gradient at load factor 1, without unit.
-    shift : tuple of float, shape (dimension,)
+    translation : tuple of float, shape (dimension,)
         Displacement of the origin at load factor 1 [length].
     components : tuple of bool, shape (dimension,)
         Which components are prescribed; the others are free. Where supports meet, the later one counts.
@@ -82,7 +82,7 @@ class BodySupport:
 
     boundary: str
     gradient: Gradient = ((0.0, 0.0), (0.0, 0.0))
-    shift: Numbers = (0.0, 0.0)
+    translation: Numbers = (0.0, 0.0)
     components: tuple[bool, ...] = (True, True)
 
     def __post_init__(self) -> None:
@@ -94,7 +94,7 @@ class BodySupport:
             _check_numbers(row, f"{place}: gradient", allowed)
             if len(row) != len(rows):
                 raise CaseError(f"{place}: gradient is {self.gradient!r}; allowed: {allowed}")
-        _check_numbers(self.shift, f"{place}: shift", _NUMBERS)
+        _check_numbers(self.translation, f"{place}: translation", _NUMBERS)
         allowed = "two booleans, or three for solids, at least one of them True"
         components = _entries(self.components, f"{place}: components", allowed)
         if not all(isinstance(entry, bool) for entry in components) or not any(components):
@@ -103,7 +103,7 @@ class BodySupport:
     @property
     def moves(self) -> bool:
         """Whether the support moves at all."""
-        return any(value != 0 for row in (*self.gradient, self.shift) for value in row)
+        return any(value != 0 for row in (*self.gradient, self.translation) for value in row)
 
     def of_bodies(self, dimension: int) -> BodySupport:
         """Return the support of bodies of this dimension: what was left out is held in all directions.
@@ -114,7 +114,7 @@ class BodySupport:
             If what was given has another dimension.
         """
         still, whole = (0.0,) * dimension, (True,) * dimension
-        held = {"gradient": (still,) * dimension, "shift": still, "components": whole}
+        held = {"gradient": (still,) * dimension, "translation": still, "components": whole}
         defaults = {entry.name: entry.default for entry in fields(self)}
         left_out = {name: value for name, value in held.items() if getattr(self, name) == defaults[name]}
         for name in held.keys() - left_out.keys():

@@ -41,7 +41,7 @@ class Case(BaseModel):
     load : Plates, Frame or Ends
         What moves them.
     strategy : Sddp or SingleStep
-        How the load path is walked.
+        How the load path is followed.
     contact : Penalty or Mortar
         What walls do to each other.
     cohesion : Cohesion, optional
@@ -160,9 +160,7 @@ class Case(BaseModel):
 
     @field_validator("expected")
     @classmethod
-    def _at_reported_levels(
-        cls, expected: tuple[Expected, ...], info: ValidationInfo
-    ) -> tuple[Expected, ...]:
+    def _at_reported_levels(cls, expected: tuple[Expected, ...], info: ValidationInfo) -> tuple[Expected, ...]:
         reported = info.data["load"].level_factors if "load" in info.data else ()
         for number, entry in enumerate(expected if reported else ()):
             if not any(isclose(entry.level, factor) for factor in reported):

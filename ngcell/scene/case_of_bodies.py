@@ -1,4 +1,4 @@
-"""A case of drawn bodies: what they are, what holds, moves and loads them, and the numbers they are held to."""
+"""A case of user-defined bodies: what they are, what holds, moves and loads them, and the numbers they are held to."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pydantic_core import PydanticCustomError
 from ngcell.scene.bodies import BodySupport, Pressure, Traction
 from ngcell.scene.cohesion import Cohesion, check_company
 from ngcell.scene.contact import Contact, Penalty
-from ngcell.scene.drawn import DrawnBody, Name
+from ngcell.scene.drawn import Name, UserBody
 from ngcell.scene.expected import ROUND, SUPPORTED, BodyExpected
 from ngcell.scene.load import Levels, level_factors
 from ngcell.scene.mesh import BodyMeshChoice
@@ -21,7 +21,7 @@ from ngcell.scene.section import SECTION, ByKind, PlanarVector, PositiveCount
 
 
 class SupportEntry(BaseModel):
-    """A boundary whose displacement is ``load_factor * (gradient @ X + shift)`` at the reference position X.
+    """A boundary whose displacement is ``load_factor * (gradient @ X + translation)`` at the reference position X.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ class SupportEntry(BaseModel):
         Name of a boundary, ``<body>_<side>``.
     gradient : tuple of tuple of float, shape (2, 2)
         Displacement gradient at load factor 1, without unit.
-    shift : tuple of float, shape (2,)
+    translation : tuple of float, shape (2,)
         Displacement of the origin at load factor 1 [length].
     components : {"xy", "x", "y"}
         Which components are prescribed; the others are free. Where supports meet, the later one counts.
@@ -39,14 +39,14 @@ class SupportEntry(BaseModel):
 
     boundary: Name
     gradient: Annotated[tuple[PlanarVector, PlanarVector], Strict(False)] = ((0.0, 0.0), (0.0, 0.0))
-    shift: PlanarVector = (0.0, 0.0)
+    translation: PlanarVector = (0.0, 0.0)
     components: Literal["xy", "x", "y"] = "xy"
 
     @property
     def resolved(self) -> BodySupport:
         """The support that it means."""
         return BodySupport(
-            self.boundary, self.gradient, self.shift, ("x" in self.components, "y" in self.components)
+            self.boundary, self.gradient, self.translation, ("x" in self.components, "y" in self.components)
         )
 
 
@@ -100,7 +100,7 @@ LoadEntry = Annotated[PressureEntry | TractionEntry, ByKind()]
 
 
 class BodyCase(BaseModel):
-    """Drawn bodies, how they are held and loaded, and how that is to be solved.
+    """User-defined bodies, how they are held and loaded, and how that is to be solved.
 
     Lengths are in the unit of the bodies' dimensions, stresses in the unit of the materials' constants; every other
     unit follows from these two.
@@ -137,7 +137,7 @@ class BodyCase(BaseModel):
     source: str = ""
     levels: Levels = 10
     steps: PositiveCount | None = None
-    bodies: Annotated[tuple[DrawnBody, ...], Strict(False), Field(min_length=1)]
+    bodies: Annotated[tuple[UserBody, ...], Strict(False), Field(min_length=1)]
     supports: Annotated[tuple[SupportEntry, ...], Strict(False)] = ()
     loads: Annotated[tuple[LoadEntry, ...], Strict(False)] = ()
     contact: Contact = Penalty()
@@ -157,7 +157,7 @@ class BodyCase(BaseModel):
 
     @field_validator("bodies")
     @classmethod
-    def _names_and_walls(cls, bodies: tuple[DrawnBody, ...]) -> tuple[DrawnBody, ...]:
+    def _names_and_walls(cls, bodies: tuple[UserBody, ...]) -> tuple[UserBody, ...]:
         names = [body.name for body in bodies]
         for number, (name, body) in enumerate(zip(names, bodies, strict=True)):
             if name in names[:number]:
@@ -192,9 +192,7 @@ class BodyCase(BaseModel):
 
     @field_validator("expected")
     @classmethod
-    def _can_be_measured(
-        cls, expected: tuple[BodyExpected, ...], info: ValidationInfo
-    ) -> tuple[BodyExpected, ...]:
+    def _can_be_measured(cls, expected: tuple[BodyExpected, ...], info: ValidationInfo) -> tuple[BodyExpected, ...]:
         supported = [support.boundary for support in info.data.get("supports", ())]
         for number, entry in enumerate(expected):
             if entry.quantity in ROUND:

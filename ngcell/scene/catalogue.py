@@ -8,7 +8,7 @@ from pathlib import Path
 from ngcell.errors import CaseError
 
 _PACKAGE = Path(__file__).parents[1]
-#: The wheel carries the cases inside the package; in a source checkout they stand beside it.
+#: The wheel has the cases inside the package; in a source checkout they stand beside it.
 _SHELVES = (_PACKAGE / "_cases", _PACKAGE.parent / "cases")
 
 

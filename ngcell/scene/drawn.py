@@ -1,6 +1,6 @@
 """Bodies that a case file draws: rings, discs and blocks, or what a plane of symmetry leaves of them.
 
-Here they are numbers and names; `ngcell.geometry.drawn` makes faces of them. The sides of a body carry names,
+Here they are numbers and names; `ngcell.geometry.drawn` makes faces of them. The sides of a body have names,
 ``<body>_<side>``, by which supports, loads and expected numbers mean them. A further shape is one more class here, one
 more name in `DrawnBody` and one more face there.
 """
@@ -15,14 +15,12 @@ from pydantic_core import PydanticCustomError
 from ngcell.scene.material import Material
 from ngcell.scene.section import SECTION, ByKind, PlanarVector, PositiveNumber
 
-Part = Literal[
-    "whole", "right", "left", "upper", "lower", "upper-right", "upper-left", "lower-right", "lower-left"
-]
+Part = Literal["whole", "right", "left", "upper", "lower", "upper-right", "upper-left", "lower-right", "lower-left"]
 Side = Literal["inner", "outer", "x0", "y0", "bottom", "top", "left", "right"]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]+$")]
 
 
-class _Drawn(BaseModel):
+class _UserBody(BaseModel):
     """What every drawn body says.
 
     Parameters
@@ -82,7 +80,7 @@ class _Drawn(BaseModel):
         return self
 
 
-class Ring(_Drawn):
+class Ring(_UserBody):
     """A ring with the sides ``inner`` and ``outer``, and ``x0``, ``y0`` where it is cut along x or y of its centre.
 
     Parameters
@@ -121,7 +119,7 @@ class Ring(_Drawn):
         return outer
 
 
-class Disc(_Drawn):
+class Disc(_UserBody):
     """A disc with the side ``outer``, and ``x0``, ``y0`` where it is cut along x or y of its centre.
 
     Parameters
@@ -150,7 +148,7 @@ class Disc(_Drawn):
         return _cuts(self.part)
 
 
-class Block(_Drawn):
+class Block(_UserBody):
     """A rectangle with the sides ``bottom``, ``top``, ``left`` and ``right``.
 
     Parameters
@@ -179,7 +177,7 @@ class Block(_Drawn):
         return high
 
 
-DrawnBody = Annotated[Ring | Disc | Block, ByKind()]
+UserBody = Annotated[Ring | Disc | Block, ByKind()]
 
 
 def _cuts(part: str) -> tuple[str, ...]:

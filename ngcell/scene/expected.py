@@ -73,7 +73,7 @@ class Expected(BaseModel):
 
 
 class BodyExpected(BaseModel):
-    """One expected number of drawn bodies, its tolerance and where it comes from.
+    """One expected number of user-defined bodies, its tolerance and where it comes from.
 
     Parameters
     ----------

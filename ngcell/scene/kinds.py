@@ -1,4 +1,4 @@
-"""The two kinds of case: a tissue, and drawn bodies."""
+"""The two kinds of case: a tissue, and user-defined bodies."""
 
 from __future__ import annotations
 

@@ -52,7 +52,7 @@ class Plates(BaseModel):
     ends : {"free", "held", "pressed"}, optional
         Whether the ends of prisms are free, as by default, held along z, as in plane strain, or under a pressure.
     end_pressure : float, optional
-        Force on both ends of pressed prisms for each area at rest, a stress, inwards along z whichever way the ends
+        Force on both ends of pressed prisms per reference area, a stress, inwards along z whichever way the ends
         turn; it grows with the load. Below 0 it pulls.
     levels : int or tuple of float
         Number of equal levels, or the load factors in [0, 1] that are reported, in the order of the load path;
@@ -101,7 +101,7 @@ class Frame(BaseModel):
     ends : {"free", "held", "pressed"}, optional
         Whether the ends of prisms are free, as by default, held along z, as in plane strain, or under a pressure.
     end_pressure : float, optional
-        Force on both ends of pressed prisms for each area at rest, a stress, inwards along z whichever way the ends
+        Force on both ends of pressed prisms per reference area, a stress, inwards along z whichever way the ends
         turn; it grows with the load. Below 0 it pulls.
     levels : int or tuple of float
         Number of equal levels, or the load factors in [0, 1] that are reported, in the order of the load path;
@@ -219,5 +219,5 @@ def _smallest_determinant(gradient: Gradient) -> float:
     (xx, xy), (yx, yy) = gradient
     slope = (xx - 1) + (yy - 1)
     bend = (xx - 1) * (yy - 1) - xy * yx
-    turning = [s for s in [-slope / (2 * bend)] if 0 < s < 1] if bend > 0 else []
-    return min(1 + slope * s + bend * s * s for s in (0.0, 1.0, *turning))
+    exterior_angle = [s for s in [-slope / (2 * bend)] if 0 < s < 1] if bend > 0 else []
+    return min(1 + slope * s + bend * s * s for s in (0.0, 1.0, *exterior_angle))

@@ -52,7 +52,7 @@ class Inclusion(BaseModel):
 class Fluid(BaseModel):
     """An incompressible fluid that fills every cell: each lumen keeps its area, whatever pressure that takes.
 
-    In space a closed lumen keeps its volume.
+    In three dimensions a closed lumen keeps its volume.
 
     Parameters
     ----------

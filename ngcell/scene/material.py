@@ -25,7 +25,7 @@ class _Fibres(BaseModel):
         from -90 to 90: 0 runs around the cell, 90 along its axis. In end walls of prisms, from the direction around the
         axis towards it at the upper end, and away from it at the lower end.
     direction : tuple of float, shape (2,), optional
-        In place of the wall's direction in drawn bodies, which need it: a vector in the plane, not zero.
+        In place of the wall's direction in user-defined bodies, which need it: a vector in the plane, not zero.
     """
 
     model_config = SECTION

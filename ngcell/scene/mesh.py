@@ -67,7 +67,7 @@ class Refinement(BaseModel):
 
 
 class BodyMeshChoice(BaseModel):
-    """Order and size of the finite elements of drawn bodies.
+    """Order and size of the finite elements of user-defined bodies.
 
     Parameters
     ----------

@@ -33,7 +33,7 @@ def read_case(path_or_name: str | Path, overrides: Sequence[str] = ()) -> AnyCas
     Returns
     -------
     Case or BodyCase
-        The checked case, of a tissue or of drawn bodies, with every default filled in.
+        The checked case, of a tissue or of user-defined bodies, with every default filled in.
 
     Raises
     ------

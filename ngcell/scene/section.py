@@ -23,7 +23,7 @@ PlanarVector = Annotated[tuple[float, float], Strict(False)]
 class ByKind:
     """Annotation of a union of section classes: the key `kind` of the table says which of them it is.
 
-    Each class carries ``kind: Literal["..."]``. Unlike pydantic's own discriminator this also holds for a
+    Each class has ``kind: Literal["..."]``. Unlike pydantic's own discriminator this also holds for a
     union of one, so that the first class of a room is read and reported as every later one will be.
 
     Parameters

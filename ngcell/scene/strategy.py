@@ -1,4 +1,4 @@
-"""How the load path is walked. A further way is one more class here and one more name in `Strategy`."""
+"""How the load path is followed. A further way is one more class here and one more name in `Strategy`."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ngcell.scene.section import SECTION, ByKind, PositiveCount
 
 
 class Sddp(BaseModel):
-    """Successive deformation decomposition: load the compact tissue first, then release its walls.
+    """Successive deformation decomposition: load the tied tissue first, then release its walls.
 
     Parameters
     ----------

@@ -1,10 +1,10 @@
 """Preconditioned conjugate gradients for scenes too large to factorise in one piece.
 
 Bodies are the natural subdomains: what couples them are closed walls only. So the preconditioner factorises each body
-by itself, tether and its side of the closed springs included (additive Schwarz; Smith, Bjorstad & Gropp, Domain
-decomposition, 1996), and the springs' other side, which no pattern has room for, acts through their derivatives. A
-body among closed springs is held by them, so no coarse space is needed: rigid or affine modes of the cells spare no
-iteration on tissues in contact. In one compact solid bodies share unknowns: there each subdomain takes two layers of
+by itself, proximal term and its side of the closed penalty terms included (additive Schwarz; Smith, Bjorstad & Gropp, Domain
+decomposition, 1996), and the penalty terms' other side, which no pattern has room for, acts through their derivatives. A
+body among closed penalty terms is held by them, so no coarse space is needed: rigid or affine modes of the cells spare no
+iteration on tissues in contact. In one tied solid bodies share unknowns: there each subdomain takes two layers of
 unknowns of its neighbours along, without which ten times as many iterations are needed.
 
 Directions of negative curvature, met by the gradients or in a body, are told as a direct solver tells them to the
@@ -32,29 +32,29 @@ _log = logging.getLogger(__name__)
 RESIDUAL, MOST_ITERATIONS = 1e-4, 2000
 #: Layers of neighbours' unknowns in a subdomain, where bodies share unknowns.
 LAYERS = 2
-#: Springs whose products are held in memory at once.
-SPRINGS_AT_ONCE = 1000
-_NO_SPRINGS = sparse.csr_array((0, 0))
+#: Penalty terms whose products are held in memory at once.
+TERMS_AT_ONCE = 1000
+_NO_TERMS = sparse.csr_array((0, 0))
 
 
 @dataclass(frozen=True, eq=False)
-class Sprung:
-    """A matrix with springs.
+class Penalised:
+    """A matrix with penalty terms.
 
     Attributes
     ----------
     values : array of float
-        The matrix without springs.
+        The matrix without penalty terms.
     blocks : array of float
-        The matrix with what springs add within bodies.
-    jacobian, spring : csr_array, array
-        The springs.
+        The matrix with what penalty terms add within bodies.
+    jacobian, penalty term : csr_array, array
+        The penalty terms.
     """
 
     values: Array
     blocks: Array
     jacobian: sparse.csr_array
-    spring: Array
+    penalty: Array
 
 
 class IterativeMatrix:
@@ -80,7 +80,7 @@ class IterativeMatrix:
         self._free, self._part = free, part
         self._beyond: tuple[Index, Index] = (np.zeros(0, dtype=np.int64),) * 2
         self._subdomains = _subdomains(self._whole.lower_pattern, free, part)
-        self._sprung: Sprung | None = None
+        self._penalised: Penalised | None = None
         self.iterations = 0
 
     @property
@@ -110,48 +110,48 @@ class IterativeMatrix:
         self._beyond = row[~is_there], column[~is_there]
         return np.concatenate([summed, data[~is_there]])
 
-    def add_springs(self, values: Array, jacobian: sparse.csr_array, spring: Array) -> Sprung:
-        """Return the matrix plus ``jacobian.T @ diag(spring) @ jacobian``."""
+    def add_penalty_terms(self, values: Array, jacobian: sparse.csr_array, penalty: Array) -> Penalised:
+        """Return the matrix plus ``jacobian.T @ diag(penalty term) @ jacobian``."""
         blocks = values[: self.entry_count].copy()
-        for first in range(0, len(spring), SPRINGS_AT_ONCE):
-            some = slice(first, first + SPRINGS_AT_ONCE)
+        for first in range(0, len(penalty), TERMS_AT_ONCE):
+            some = slice(first, first + TERMS_AT_ONCE)
             pulled = jacobian[some].copy()
-            pulled.data *= np.repeat(spring[some], np.diff(pulled.indptr))
+            pulled.data *= np.repeat(penalty[some], np.diff(pulled.indptr))
             row, column, data = _lower(jacobian[some].T @ pulled)
             mine = self._part[row] == self._part[column]
             row, column, data = row[mine], column[mine], data[mine]
             position, is_there = self._whole.find(row, column)
             blocks[position[is_there]] += data[is_there]
-            # What has no room, as where one spring pulls at many faces, counts on the diagonal: blocks stay definite.
+            # What has no room, as where one penalty term pulls at many faces, counts on the diagonal: blocks stay definite.
             row, column, weight = row[~is_there], column[~is_there], np.abs(data[~is_there])
             for end in (row, column):
                 np.add.at(blocks, self._whole.locate(end, end), weight)
-        return Sprung(values, blocks, jacobian, spring)
+        return Penalised(values, blocks, jacobian, penalty)
 
     @property
     def few(self) -> int:
         """None: a solution is what costs."""
         return 0
 
-    def factorise(self, sprung: Sprung) -> None:
+    def factorise(self, penalised: Penalised) -> None:
         """Factorise all bodies."""
-        self._sprung = sprung
+        self._penalised = penalised
         for subdomain in self._subdomains:
-            subdomain.factorise(sprung.blocks)
+            subdomain.factorise(penalised.blocks)
 
-    def multiply(self, values: Array | Sprung, vector: Array) -> Array:
+    def multiply(self, values: Array | Penalised, vector: Array) -> Array:
         """Return the product of the symmetric matrix with these values and a vector."""
-        sprung = values if isinstance(values, Sprung) else Sprung(values, values, _NO_SPRINGS, np.zeros(0))
-        self._whole.load(sprung.values[: self.entry_count])
-        return self._product(sprung, vector)
+        penalised = values if isinstance(values, Penalised) else Penalised(values, values, _NO_TERMS, np.zeros(0))
+        self._whole.load(penalised.values[: self.entry_count])
+        return self._product(penalised, vector)
 
     def solve(self, right: Array) -> Array:
         """Return the solution of the system, or a multiple of a direction of negative curvature; 0 in rows not free.
 
         With the curvature ``c = d K d < 0`` of a direction d, that is ``(right d / c) d``.
         """
-        assert self._sprung is not None
-        self._whole.load(self._sprung.values[: self.entry_count])
+        assert self._penalised is not None
+        self._whole.load(self._penalised.values[: self.entry_count])
         right = np.where(self._free, right, 0.0)
         solution, residual = np.zeros_like(right), right
         step, before, enough = np.zeros_like(right), 1.0, None
@@ -166,7 +166,7 @@ class IterativeMatrix:
             self.iterations += 1
             step = towards + slope / before * step if step.any() else towards
             before = slope
-            stretched = np.where(self._free, self._product(self._sprung, step), 0.0)
+            stretched = np.where(self._free, self._product(self._penalised, step), 0.0)
             curvature = float(step @ stretched)
             if curvature <= 0:
                 return self._uphill(right, step)
@@ -176,15 +176,15 @@ class IterativeMatrix:
             _log.info("conjugate gradients stopped at a residual of %.1e", np.sqrt(slope / (enough / RESIDUAL**2)))
         return solution
 
-    def _product(self, sprung: Sprung, vector: Array) -> Array:
+    def _product(self, penalised: Penalised, vector: Array) -> Array:
         """Return the product with a matrix that has been loaded."""
-        product, beyond = self._whole.product(vector), sprung.values[self.entry_count :]
+        product, beyond = self._whole.product(vector), penalised.values[self.entry_count :]
         if len(beyond):
             row, column = self._beyond
             product += np.bincount(row, beyond * vector[column], self.size)
             product += np.bincount(column, beyond * vector[row], self.size)
-        if len(sprung.spring):
-            product += sprung.jacobian.T @ (sprung.spring * (sprung.jacobian @ vector))
+        if len(penalised.penalty):
+            product += penalised.jacobian.T @ (penalised.penalty * (penalised.jacobian @ vector))
         return product
 
     def _preconditioned(self, residual: Array) -> tuple[Array, Array | None]:
@@ -202,8 +202,8 @@ class IterativeMatrix:
 
     def _uphill(self, right: Array, direction: Array) -> Array:
         _log.info("negative curvature")
-        assert self._sprung is not None
-        curvature = float(direction @ self._product(self._sprung, direction))
+        assert self._penalised is not None
+        curvature = float(direction @ self._product(self._penalised, direction))
         return float(right @ direction) / curvature * direction
 
 

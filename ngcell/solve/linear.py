@@ -101,11 +101,11 @@ class SymmetricMatrix:
         summed[self.locate(row[lower], column[lower])] += part.data[lower]
         return summed
 
-    def add_springs(self, values: Array, jacobian: sparse.csr_array, spring: Array) -> Array:
-        """Return `values` plus the lower triangle of ``jacobian.T @ diag(spring) @ jacobian``."""
-        if not len(spring):
+    def add_penalty_terms(self, values: Array, jacobian: sparse.csr_array, penalty: Array) -> Array:
+        """Return `values` plus the lower triangle of ``jacobian.T @ diag(penalty term) @ jacobian``."""
+        if not len(penalty):
             return values
-        weights = np.repeat(spring, np.diff(jacobian.indptr))
+        weights = np.repeat(penalty, np.diff(jacobian.indptr))
         forces = sparse.csr_array((weights * jacobian.data, jacobian.indices, jacobian.indptr), shape=jacobian.shape)
         return self.add(values, jacobian.T @ forces)
 

@@ -1,8 +1,8 @@
-"""Descent to a minimum of an energy with one-sided springs: Newton's method with a proximal term.
+"""Descent to a minimum of an energy with one-sided penalty terms: Newton's method with a proximal term.
 
-Each iteration minimises the second-order model of the energy plus ``shift/2 |d|^2`` in the mass norm. A step is taken
-if the energy falls by a fair share of what the model foresaw; if not, or if the model is not convex along it, the shift
-is raised and the model, still at hand, is minimised again. The shift falls with every good step and is exactly zero at
+Each iteration minimises the second-order model of the energy plus ``damping/2 |d|^2`` in the mass norm. A step is taken
+if the energy falls by a fair share of what the model foresaw; if not, or if the model is not convex along it, the damping
+is raised and the model, still at hand, is minimised again. The damping falls with every good step and is exactly zero at
 the end, so it leaves no trace in the result. No component of a step is longer than `longest_step`: half of the distance
 in which contact is searched, so that no wall is passed unseen.
 
@@ -19,18 +19,18 @@ from numpy.typing import NDArray
 from ngcell.clock import Clock
 from ngcell.solve.effort import Effort
 from ngcell.solve.linear import SymmetricMatrix
-from ngcell.solve.minimum import Ending, Minimum, Tether
+from ngcell.solve.minimum import Ending, Minimum, ProximalTerm
+from ngcell.solve.one_sided import Matrix, OneSidedModel, minimise_one_sided
 from ngcell.solve.problem import Linearisation, Problem, State
-from ngcell.solve.springs import Matrix, SpringModel, minimum_of_springs
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-#: Share of the foreseen decrease below which a step is refused, and above which the shift falls.
+#: Share of the foreseen decrease below which a step is refused, and above which the damping falls.
 POOR, FAIR = 1e-4, 0.25
-#: Factors of the shift after a refused, a poor and a good step.
+#: Factors of the damping after a refused, a poor and a good step.
 RAISE, NUDGE, LOWER = 8.0, 2.0, 0.1
-#: Shares of a step's slope at which a shift is felt along the step, and at which it is not.
+#: Shares of a step's slope at which a damping is felt along the step, and at which it is not.
 FELT, UNFELT = 0.1, 1e-4
 #: Differences of energies below this share of the energy are round-off; so are decrements below `NO_DECREMENT`.
 ROUND_OFF, NO_DECREMENT = 1e-13, 1e-18
@@ -46,7 +46,7 @@ MOST_REFUSALS = 25
 #: Room for contacts to come, in longest steps: what a matrix must have, and what a new one gets. It fills the matrix
 #: little, and a new one costs as much as ten factorisations.
 MARGIN, WIDE_MARGIN = 2.0, 4.0
-#: Most unknowns in space that are solved for by a direct solver; in the plane all are.
+#: Most unknowns in three dimensions that are solved for by a direct solver; in the plane all are.
 MOST_DIRECT = 200_000
 
 
@@ -57,12 +57,12 @@ def is_iterative(problem: Problem) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Advance:
-    """The next iterate, the shift to go on with, the decrement, and the shift that led here."""
+    """The next iterate, the damping to go on with, the decrement, and the damping that led here."""
 
     state: State
-    shift: float
+    damping: float
     decrement: float
-    shift_used: float
+    damping_used: float
 
 
 @dataclass
@@ -92,30 +92,32 @@ class Minimiser:
     _matrix: Matrix | None = None
     _near_at: Array | None = None
 
-    def minimise(self, start: Array, tether: Tether, tolerance: float = 0.0, most: int | None = None) -> Minimum:
+    def minimise(
+        self, start: Array, proximal: ProximalTerm, tolerance: float = 0.0, most: int | None = None
+    ) -> Minimum:
         """Descend from `start` until the Newton decrement is below `tolerance` [energy], or lost in round-off.
 
         It ends after `most` iterations, by default `most_iterations`.
         """
-        state, shift, decrement = self._at(start), 0.0, float("inf")
+        state, damping, decrement = self._at(start), 0.0, float("inf")
         lowest, idle = decrement, 0
         if not np.isfinite(state.energy):
-            return Minimum(state, Ending.NO_ENERGY, decrement, tether)
+            return Minimum(state, Ending.NO_ENERGY, decrement, proximal)
         for _ in range(most or self.most_iterations):
             self.effort.iterations += 1
-            advance = self._descend(state, tether, shift, tolerance)
+            advance = self._descend(state, proximal, damping, tolerance)
             if advance is None:
-                return Minimum(state, Ending.NO_DESCENT, decrement, tether)
-            state, shift, decrement = advance.state, advance.shift, advance.decrement
-            if advance.shift_used == 0 and (decrement <= tolerance or self._is_lost(state, decrement)):
-                return Minimum(state, Ending.CONVERGED, decrement, tether)
+                return Minimum(state, Ending.NO_DESCENT, decrement, proximal)
+            state, damping, decrement = advance.state, advance.damping, advance.decrement
+            if advance.damping_used == 0 and (decrement <= tolerance or self._is_lost(state, decrement)):
+                return Minimum(state, Ending.CONVERGED, decrement, proximal)
             if decrement < lowest / 4:
                 lowest, idle = decrement, 0
             elif decrement <= 4 * lowest:
                 idle += 1
             if idle == IDLE and lowest <= max(STALLED * abs(state.energy), UNSEEN * NOISE * self.energy_scale):
-                return Minimum(state, Ending.STALLED, decrement, tether)
-        return Minimum(state, Ending.TOO_MANY_ITERATIONS, decrement, tether)
+                return Minimum(state, Ending.STALLED, decrement, proximal)
+        return Minimum(state, Ending.TOO_MANY_ITERATIONS, decrement, proximal)
 
     def predict(self, displacement: Array, imposed: Array, weight: float) -> Array:
         """Return the displacement that follows, to first order, when prescribed values jump to those of `imposed`.
@@ -124,10 +126,10 @@ class Minimiser:
         """
         state = self._at(displacement)
         jump = np.where(self.problem.free, 0.0, imposed - displacement)
-        model = self._model(state, self.problem.linearise(state), Tether(weight, displacement), 0.0)
+        model = self._model(state, self.problem.linearise(state), ProximalTerm(weight, displacement), 0.0)
         touching = np.flatnonzero(model.gap <= TOUCHING * self.longest_step)
-        jacobian, spring = model.jacobian[touching], model.spring[touching]
-        values = self._matrix.add_springs(model.stiffness, jacobian, spring)
+        jacobian, penalty = model.jacobian[touching], model.penalty[touching]
+        values = self._matrix.add_penalty_terms(model.stiffness, jacobian, penalty)
         self._matrix.factorise(values)
         self.effort.factorisations += 1
         return displacement + jump - self._matrix.solve(self._matrix.multiply(values, jump))
@@ -142,10 +144,10 @@ class Minimiser:
         """Make the next matrix anew, so that its order of elimination tells nothing of earlier minimisations."""
         self._matrix = self._near_at = None
 
-    def tether_energy(self, displacement: Array, tether: Tether) -> float:
-        """Return the energy of a tether."""
-        away = displacement - tether.anchor
-        return 0.5 * tether.strength * float(away @ (self.problem.mass @ away))
+    def proximal_energy(self, displacement: Array, proximal: ProximalTerm) -> float:
+        """Return the energy of a proximal term."""
+        away = displacement - proximal.centre
+        return 0.5 * proximal.weight * float(away @ (self.problem.mass @ away))
 
     def _is_lost(self, state: State, decrement: float) -> bool:
         """Return whether a decrement is round-off of the energy."""
@@ -156,52 +158,52 @@ class Minimiser:
         with self.clock.phase("pairs and energies"):
             return self.problem.at(displacement)
 
-    def _descend(self, state: State, tether: Tether, shift: float, tolerance: float) -> _Advance | None:
-        """Return the next iterate, or None if no shift makes a step that lowers the energy.
+    def _descend(self, state: State, proximal: ProximalTerm, damping: float, tolerance: float) -> _Advance | None:
+        """Return the next iterate, or None if no damping makes a step that lowers the energy.
 
         A state whose own decrement is within the tolerance is the last but one, even where a kink spoils its step.
         """
         with self.clock.phase("assembly"):
             line = self.problem.linearise(state)
-        energy = state.energy + self.tether_energy(state.displacement, tether)
+        energy = state.energy + self.proximal_energy(state.displacement, proximal)
         lost = max(ROUND_OFF * abs(energy), NOISE * self.energy_scale)
-        model, is_last = self._model(state, line, tether, shift), False
+        model, is_last = self._model(state, line, proximal, damping), False
         for _ in range(MOST_REFUSALS):
             step, change = self._step(model)
             decrement = -float(model.full_gradient @ step)
             if change <= 0 <= decrement:
-                trial, gain = self._tried(state, step, tether, energy)
+                trial, gain = self._tried(state, step, proximal, energy)
                 if -lost < change and -lost < gain:
-                    return _Advance(trial, 0.0, decrement, shift)
+                    return _Advance(trial, 0.0, decrement, damping)
                 if gain <= POOR * -change:
                     bent = self._bent(line, model, step, trial, POOR * -change - gain)
                     if bent is not None:
-                        bent_trial, bent_gain = self._tried(state, bent, tether, energy)
+                        bent_trial, bent_gain = self._tried(state, bent, proximal, energy)
                         if bent_gain > POOR * -change:
                             trial, gain = bent_trial, bent_gain
                 quality = gain / -change if change < 0 else -np.inf
-                is_last = is_last or (shift == 0 and decrement <= tolerance)
+                is_last = is_last or (damping == 0 and decrement <= tolerance)
                 if quality > POOR:
-                    relaxed = self._relaxed(shift, quality, model, step)
-                    return _Advance(trial, relaxed, decrement, 0.0 if is_last else shift)
-            raised = max(RAISE * shift, self._weight_of(FELT, model, step))
-            model, shift = self._raised(model, raised - shift), raised
+                    relaxed = self._relaxed(damping, quality, model, step)
+                    return _Advance(trial, relaxed, decrement, 0.0 if is_last else damping)
+            raised = max(RAISE * damping, self._weight_of(FELT, model, step))
+            model, damping = self._raised(model, raised - damping), raised
             self.effort.refusals += 1
         return None
 
-    def _tried(self, state: State, step: Array, tether: Tether, energy: float) -> tuple[State, float]:
+    def _tried(self, state: State, step: Array, proximal: ProximalTerm, energy: float) -> tuple[State, float]:
         """Return the state after a step, and by how much its energy is below `energy`."""
         trial = self._at(self.problem.move(state.displacement, step))
-        return trial, energy - trial.energy - self.tether_energy(trial.displacement, tether)
+        return trial, energy - trial.energy - self.proximal_energy(trial.displacement, proximal)
 
     def _bent(
-        self, line: Linearisation, model: SpringModel, step: Array, trial: State, lacking: float
+        self, line: Linearisation, model: OneSidedModel, step: Array, trial: State, lacking: float
     ) -> Array | None:
         """Return a step that follows the curvature of gaps; None where it is of no use.
 
         Cells that slide or roll on each other move along curves. What the gaps after a step turned out to be beyond
-        their linear parts is added to the springs, and the model is minimised again: a second-order correction. It wins
-        back what the springs store beyond the model; where the energy that is `lacking` is more, it is not tried.
+        their linear parts is added to the penalty terms, and the model is minimised again: a second-order correction. It wins
+        back what the penalty terms store beyond the model; where the energy that is `lacking` is more, it is not tried.
         """
         if not np.isfinite(trial.energy) or not len(model.gap):
             return None
@@ -217,10 +219,10 @@ class Minimiser:
         bent, change = self._step(replace(model, gap=model.gap + surplus))
         return bent if change <= 0 else None
 
-    def _step(self, model: SpringModel) -> tuple[Array, float]:
+    def _step(self, model: OneSidedModel) -> tuple[Array, float]:
         """Return a step no longer than allowed, and the change of the model."""
         with self.clock.phase("factorisation"):
-            step, change, rounds = minimum_of_springs(model, self._matrix)
+            step, change, rounds = minimise_one_sided(model, self._matrix)
         self.effort.factorisations += rounds
         longest = float(np.abs(step).max())
         if longest > self.longest_step:
@@ -228,32 +230,32 @@ class Minimiser:
             change = model.change(step, self._matrix.multiply(model.stiffness, step), model.jacobian @ step)
         return step, change
 
-    def _relaxed(self, shift: float, quality: float, model: SpringModel, step: Array) -> float:
-        """Return the shift after an accepted step; one that is not felt along the step becomes zero."""
+    def _relaxed(self, damping: float, quality: float, model: OneSidedModel, step: Array) -> float:
+        """Return the damping after an accepted step; one that is not felt along the step becomes zero."""
         unfelt = self._weight_of(UNFELT, model, step)
         if quality < FAIR:
-            return max(NUDGE * shift, unfelt)
-        return LOWER * shift if LOWER * shift > unfelt else 0.0
+            return max(NUDGE * damping, unfelt)
+        return LOWER * damping if LOWER * damping > unfelt else 0.0
 
-    def _weight_of(self, share: float, model: SpringModel, step: Array) -> float:
-        """Return the shift whose curvature along the step is this share of the model's slope along it."""
+    def _weight_of(self, share: float, model: OneSidedModel, step: Array) -> float:
+        """Return the damping whose curvature along the step is this share of the model's slope along it."""
         weight = float(step @ (self.problem.mass @ step))
         return share * abs(float(model.full_gradient @ step)) / max(weight, np.finfo(float).tiny)
 
-    def _model(self, state: State, line: Linearisation, tether: Tether, shift: float) -> SpringModel:
+    def _model(self, state: State, line: Linearisation, proximal: ProximalTerm, damping: float) -> OneSidedModel:
         with self.clock.phase("assembly"):
             self._make_room(state)
             matrix, mass = self._matrix, self.problem.mass
             values = np.bincount(self._bulk, weights=line.stiffness, minlength=matrix.entry_count)
-            values[self._mass] += (tether.strength + shift) * self._mass_values
+            values[self._mass] += (proximal.weight + damping) * self._mass_values
             if line.curvature is not None:
                 values = matrix.add(values, line.curvature)
-            gradient = line.gradient + tether.strength * (mass @ (state.displacement - tether.anchor))
+            gradient = line.gradient + proximal.weight * (mass @ (state.displacement - proximal.centre))
             gradient = np.where(self.problem.free, gradient, 0.0)
-            return SpringModel(gradient, values, line.gap, line.jacobian, line.spring, self.problem.free)
+            return OneSidedModel(gradient, values, line.gap, line.jacobian, line.penalty, self.problem.free)
 
-    def _raised(self, model: SpringModel, rise: float) -> SpringModel:
-        """Return the model with its shift raised."""
+    def _raised(self, model: OneSidedModel, rise: float) -> OneSidedModel:
+        """Return the model with its damping raised."""
         stiffness = model.stiffness.copy()
         stiffness[self._mass] += rise * self._mass_values
         return replace(model, stiffness=stiffness)

@@ -25,19 +25,19 @@ class Ending(Enum):
 
 
 @dataclass(frozen=True, eq=False)
-class Tether:
-    """Weak springs to an anchor: ``strength/2 |u - anchor|^2`` in the mass norm.
+class ProximalTerm:
+    """Weak penalty terms to an centre: ``weight/2 |u - centre|^2`` in the mass norm.
 
     Attributes
     ----------
-    strength : float
+    weight : float
         Stiffness per reference volume [stress / length**2], >= 0.
-    anchor : array of float, shape (unknowns,)
-        Where the springs are at rest [length].
+    centre : array of float, shape (unknowns,)
+        Where the penalty terms are at rest [length].
     """
 
-    strength: float
-    anchor: Array
+    weight: float
+    centre: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,14 +52,14 @@ class Minimum:
         How it ended.
     decrement : float
         Newton decrement ``g K^-1 g`` [energy] of the last step.
-    tether : Tether
+    proximal term : ProximalTerm
         What pulled at it.
     """
 
     state: State
     ending: Ending
     decrement: float
-    tether: Tether
+    proximal: ProximalTerm
 
     @property
     def is_found(self) -> bool:

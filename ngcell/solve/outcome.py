@@ -10,8 +10,8 @@ class Outcome(Enum):
 
     CERTIFIED = "converged and certified"
     NOT_CERTIFIED = "converged, but a check of the certificate failed; see the certificate for which one"
-    COMPACT_FAILED = (
-        "the compact solid found no equilibrium, even in the smallest load step; "
+    TIED_FAILED = (
+        "the tied solid found no equilibrium, even in the smallest load step; "
         "the load may be past the point where the walls buckle or elements invert: lower it, or refine the mesh"
     )
     RELEASE_FAILED = (

@@ -32,12 +32,12 @@ class Linearisation(Protocol):
     curvature: sparse.coo_array | None
     gap: Array
     jacobian: sparse.csr_array
-    spring: Array
+    penalty: Array
     keys: Index
 
 
 class Problem(Protocol):
-    """An energy of many unknowns with one-sided springs."""
+    """An energy of many unknowns with one-sided penalty terms."""
 
     free: NDArray[np.bool_]
 
@@ -47,7 +47,7 @@ class Problem(Protocol):
 
     @property
     def part(self) -> Index:
-        """Body of each unknown: what unknowns of different bodies have in common are springs and ties only."""
+        """Body of each unknown: what unknowns of different bodies have in common are penalty terms and ties only."""
 
     @property
     def mass(self) -> sparse.csr_array:
@@ -70,17 +70,17 @@ class Problem(Protocol):
         """Return the model about a state."""
 
     def gaps(self, state: State) -> tuple[Index, Array]:
-        """Return the keys of the springs of a state, increasing, and their gaps."""
+        """Return the keys of the penalty terms of a state, increasing, and their gaps."""
 
     def couplings(self, state: State, margin: float) -> tuple[Index, Index]:
-        """Return the entries that springs could fill while nothing moves by more than half of `margin`."""
+        """Return the entries that penalty terms could fill while nothing moves by more than half of `margin`."""
 
     def follow(self, other: Problem, state: State) -> None:
-        """Start from what another problem knows at an equilibrium of its own, and forget what was learned before."""
+        """Start from what another problem knows at an equilibrium of its own, and forget what was updated before."""
 
-    def improve(self, state: State) -> tuple[float, float]:
-        """Learn from an equilibrium; return the gap [length] by which it misses conditions that the energy only
+    def update_multipliers(self, state: State) -> tuple[float, float]:
+        """Update the multipliers from an equilibrium; return the gap [length] by which it misses conditions that the energy only
         approaches, and the energy that stands for what is missed; zeros where there are none."""
 
-    def hasten(self) -> None:
-        """Make `improve` miss less each time, at the price of an energy that is harder to minimise."""
+    def increase_penalty(self) -> None:
+        """Make `update_multipliers` miss less each time, at the price of an energy that is harder to minimise."""

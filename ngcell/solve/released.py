@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.solve.continuation import Continuation, until_conditions_hold
 from ngcell.solve.effort import Effort
 from ngcell.solve.minimise import Minimiser
-from ngcell.solve.minimum import Minimum, Tether
+from ngcell.solve.minimum import Minimum, ProximalTerm
 from ngcell.solve.outcome import Outcome
-from ngcell.solve.selection import Release, until_conditions_hold
 from ngcell.solve.step import Accepted, History, Loads, StepFailed, spent
 
 Array = NDArray[np.float64]
@@ -26,7 +26,7 @@ class Released:
     apart : Minimiser
         Without contact.
     minimisers : tuple of Minimiser
-        With contact from the softest, which the path is walked with, to the one that is meant.
+        With contact from the softest, which the path is followed with, to the one that is meant.
     path : Release
         The path.
     loads : Loads, optional
@@ -34,7 +34,7 @@ class Released:
     history : History, optional
         What the problem remembers of accepted steps.
     is_alone : bool
-        Whether there is one body only: it touches nothing, and no path has to be walked unless the straight way fails.
+        Whether there is one body only: it touches nothing, and no path has to be followed unless the straight way fails.
     is_mixed : bool
         Whether some bodies are stiffer than others. A decrement sees forces divided by stiffness, and would end with
         those on stiff bodies out of balance: there the last minimisation goes down to round-off.
@@ -42,7 +42,7 @@ class Released:
 
     apart: Minimiser
     minimisers: tuple[Minimiser, ...]
-    path: Release
+    path: Continuation
     loads: Loads | None = None
     history: History | None = None
     is_alone: bool = False
@@ -62,7 +62,7 @@ class Released:
         """Return the displacement that follows, to first order, when prescribed values jump."""
         return self.minimisers[-1].predict(displacement, imposed, self.path.scale * self.path.last)
 
-    def step(self, start: Array, anchor: Array, load: float, *, may_stall: bool = True) -> Accepted:
+    def step(self, start: Array, centre: Array, load: float, *, may_stall: bool = True) -> Accepted:
         """Return the selected equilibrium; see `Release.select`.
 
         Raises
@@ -73,22 +73,22 @@ class Released:
         before = self.effort
         if self.loads is not None:
             self.loads.apply(load)
-        tether = self.path.last_tether(anchor)
-        minimum = self._alone(start, tether) or self.path.select(
-            self.apart, self.minimisers, start, anchor, may_stall=may_stall
+        proximal = self.path.last_proximal(centre)
+        minimum = self._alone(start, proximal) or self.path.select(
+            self.apart, self.minimisers, start, centre, may_stall=may_stall
         )
         if self.is_mixed and minimum.is_found:
-            minimum = self.minimisers[-1].minimise(minimum.state.displacement, minimum.tether)
+            minimum = self.minimisers[-1].minimise(minimum.state.displacement, minimum.proximal)
         if not minimum.is_found:
             raise StepFailed(Outcome.RELEASE_FAILED, load)
         return Accepted("contact", load, minimum, self.effort - before)
 
-    def _alone(self, start: Array, tether: Tether) -> Minimum | None:
+    def _alone(self, start: Array, proximal: ProximalTerm) -> Minimum | None:
         """Return the minimum of a body that is alone; None if there are more, or if none was found."""
         if not self.is_alone:
             return None
         minimiser = self.minimisers[-1]
-        minimum = minimiser.minimise(start, tether)
+        minimum = minimiser.minimise(start, proximal)
         if minimum.is_found:
             minimum = until_conditions_hold(minimiser, minimum, self.longest_step)
         return minimum if minimum.is_found else None

@@ -1,9 +1,9 @@
-"""Load and contact together: no compact solid is computed.
+"""Load and contact together: no tied solid is computed.
 
-The anchor of a release is the carried field of the load. Where the load determines none, the state before is the
-anchor, and the walk is incremental.
+The centre of a release is the lifting of the load. Where the load determines none, the state before is the
+centre, and the continuation is incremental.
 
-The walk yields the steps that were accepted, and stops when one cannot be. It may be taken up after any number of them,
+The continuation yields the steps that were accepted, and stops when one cannot be. It may be taken up after any number of them,
 from the last displacement.
 """
 
@@ -38,26 +38,24 @@ def single_step(
         If a step finds no equilibrium.
     """
     load = steps[done - 1] if done else 0.0
-    displacement = motion.carried(0.0) if last is None else last
+    displacement = motion.lifting(0.0) if last is None else last
     for target in steps[done:]:
-        if motion.has_carried_field:
-            anchor = motion.carried(target)
-            step = released.step(anchor, anchor, target)
+        if motion.has_lifting:
+            centre = motion.lifting(target)
+            step = released.step(centre, centre, target)
         else:
             step = _incremental_step(released, motion, displacement, load, target)
         load, displacement = target, step.minimum.state.displacement
         yield step
 
 
-def _incremental_step(
-    released: Released, motion: Motion, displacement: Array, load: float, target: float
-) -> Accepted:
+def _incremental_step(released: Released, motion: Motion, displacement: Array, load: float, target: float) -> Accepted:
     before, reached, increment, halvings = released.effort, load, target - load, 0
     while True:
         goal = next_goal(reached, increment, target)
-        anchor = released.predict(displacement, motion.imposed(displacement, goal))
+        centre = released.predict(displacement, motion.imposed(displacement, goal))
         try:
-            step = released.step(anchor, anchor, goal, may_stall=False)
+            step = released.step(centre, centre, goal, may_stall=False)
         except StepFailed:
             increment, halvings = increment / 2, halvings + 1
             released.apart.effort.cutbacks += 1

@@ -1,4 +1,4 @@
-"""A step of a walk along the load path: what it needs to know of motion and loads, and what comes of it.
+"""A step of a load stepping: what it needs to know of motion and loads, and what comes of it.
 
 A step that fails is halved, at most `MOST_HALVINGS` times.
 """
@@ -26,14 +26,14 @@ class Motion(Protocol):
     """The prescribed motion; see `ngcell.mechanics.supports.PrescribedMotion`."""
 
     @property
-    def has_carried_field(self) -> bool:
-        """Whether the load determines a carried field."""
+    def has_lifting(self) -> bool:
+        """Whether the load determines a lifting."""
 
     def imposed(self, displacement: Array, load_factor: float) -> Array:
         """Return a displacement with the prescribed values in place."""
 
-    def carried(self, load_factor: float) -> Array:
-        """Return the carried field."""
+    def lifting(self, load_factor: float) -> Array:
+        """Return the lifting."""
 
 
 class Loads(Protocol):
@@ -72,9 +72,9 @@ class Account:
     mismatch_share : float
         Its magnitude over the energy that the step moved.
     increment : float
-        Change of load factor that the next step may make; 0 where that is not learned.
+        Change of load factor that the next step may make; 0 where that is not updated.
     targets : int
-        Number of asked-for load factors that the walk has come to.
+        Number of asked-for load factors that the continuation has come to.
     """
 
     dissipation: float
@@ -90,7 +90,7 @@ class Accepted:
 
     Attributes
     ----------
-    phase : {"compact", "contact"}
+    phase : {"tied", "contact"}
         What was solved.
     load_factor : float
         In [0, 1].

@@ -27,13 +27,13 @@ ALLOWED = {
     "results": {"errors", "scene", "geometry", "mechanics", "contact"},
     "export": {"errors", "scene", "geometry", "mechanics", "contact", "results"},
     "solve": {"errors", "clock"},
-    "blueprint": {"errors", "scene", "geometry", "mechanics"},
-    "standing": {"results"},
-    "observation": {"standing", "scene", "geometry", "contact", "results", "solve"},
+    "discretisation": {"errors", "scene", "geometry", "mechanics"},
+    "checkpoint": {"results"},
+    "observation": {"checkpoint", "scene", "geometry", "contact", "results", "solve"},
     "simulation": {
         "observation",
-        "standing",
-        "blueprint",
+        "checkpoint",
+        "discretisation",
         "clock",
         "scene",
         "geometry",
@@ -42,12 +42,12 @@ ALLOWED = {
         "results",
         "solve",
     },
-    "footprint": {"contact", "solve"},
+    "memory estimate": {"contact", "solve"},
     "verification": {"errors", "scene", "results", "simulation"},
     "run": {
         "observation",
-        "standing",
-        "footprint",
+        "checkpoint",
+        "memory estimate",
         "verification",
         "simulation",
         "errors",
@@ -77,8 +77,8 @@ UNKNOWN = {
     "results": PICTURES | {"click", "rich"},
     "solve": PICTURES | {"netgen", "click", "rich"},
     "export": {"click", "rich"},
-    "blueprint": PICTURES | {"click", "rich"},
-    "standing": PICTURES | {"ngsolve", "click", "rich"},
+    "discretisation": PICTURES | {"click", "rich"},
+    "checkpoint": PICTURES | {"ngsolve", "click", "rich"},
     "observation": PICTURES | {"ngsolve", "click", "rich"},
     "simulation": PICTURES | {"click", "rich"},
     "run": PICTURES | {"click", "rich"},
@@ -93,7 +93,7 @@ def room_of(module: Path) -> str:
 
 def imports(module: Path) -> Iterator[tuple[str, ...]]:
     """Yield the dotted parts of each import, wherever it stands in the module."""
-    for node in ast.walk(ast.parse(module.read_text())):
+    for node in ast.accepted_steps(ast.parse(module.read_text())):
         if isinstance(node, ast.Import):
             yield from (tuple(alias.name.split(".")) for alias in node.names)
         elif isinstance(node, ast.ImportFrom):

@@ -27,8 +27,8 @@ def accepted_step(step: int, load_factor: float, *, certified: bool = True) -> S
         smallest_gap=0.0,
         parted_pairs=step,
         opened_share=0.0,
-        clumps=1,
-        largest_clump=4,
+        components=1,
+        largest_component=4,
         plate_force_x=0.1,
         plate_force_y=0.0,
         contact_force=0.2,
@@ -51,7 +51,7 @@ class FakeRun:
     stop_after : int, optional
         Number of accepted steps after which `error` is raised.
     error : BaseException, optional
-        What ends the walk early.
+        What ends the continuation early.
     """
 
     certified: bool = True

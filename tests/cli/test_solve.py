@@ -69,17 +69,13 @@ def test_uncertified_run_answers_4_and_says_so(fake_run: FakeRun, in_empty_folde
     assert answer.stderr.splitlines()[-1] == f"not certified; accepted steps kept in out/{CASE}: 5"
 
 
-def test_run_that_does_not_converge_answers_4_and_says_what_is_kept(
-    fake_run: FakeRun, in_empty_folder: Path
-) -> None:
+def test_run_that_does_not_converge_answers_4_and_says_what_is_kept(fake_run: FakeRun, in_empty_folder: Path) -> None:
     fake_run.stop_after = 3
     fake_run.error = NotConverged("step too small at load 0.7", outcome="step-too-small", record_count=3)
     answer = solve(CASE)
     assert answer.exit_code == 4
     assert answer.stdout == ""
-    assert answer.stderr.splitlines()[-1] == (
-        f"step too small at load 0.7; accepted steps kept in out/{CASE}: 3"
-    )
+    assert answer.stderr.splitlines()[-1] == (f"step too small at load 0.7; accepted steps kept in out/{CASE}: 3")
     assert len(history(in_empty_folder / "out" / CASE)) == 3
 
 
@@ -124,9 +120,7 @@ def test_folder_that_cannot_be_made_is_one_line(fake_run: FakeRun, tmp_path: Pat
     assert "choose another folder" in answer.stderr
 
 
-def test_read_only_folder_is_one_line(
-    fake_run: FakeRun, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_read_only_folder_is_one_line(fake_run: FakeRun, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     refuse_writes(monkeypatch, after=0, reason=errno.EROFS)
     answer = solve(CASE, "--out", str(tmp_path / "out"))
     assert answer.exit_code == 4

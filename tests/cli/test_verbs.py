@@ -70,9 +70,7 @@ def test_view_of_nothing_answers_2(tmp_path: Path) -> None:
 
 
 def test_python_m_ngcell_is_the_command() -> None:
-    answer = subprocess.run(
-        [sys.executable, "-m", "ngcell", "--version"], capture_output=True, text=True, check=True
-    )
+    answer = subprocess.run([sys.executable, "-m", "ngcell", "--version"], capture_output=True, text=True, check=True)
     assert answer.stdout == f"ngcell, version {package.__version__}\n"
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ngcell.contact.assembly import Assembly
-from ngcell.contact.cohesion import Bonds
+from ngcell.contact.methods.cohesion import Bonds
+from ngcell.problem.assembly import Assembly
 from tests.tissues import dense_stiffness
 
 
@@ -31,7 +31,7 @@ def smooth_step(problem: Assembly, bonds: Bonds, at: np.ndarray, way: np.ndarray
 
     def sides(displacement: np.ndarray) -> np.ndarray:
         positions = problem.positions(displacement)
-        gap, _, _ = problem.at(at).contact.springs(positions)
+        gap, _, _ = problem.at(at).contact.penalty_terms(positions)
         opening, height = bonds.openings(positions), bonds.kinematics.gaps(positions)
         return np.concatenate([gap > 0, height > 0, opening > bonds.largest])
 

@@ -1,4 +1,4 @@
-"""Two solids whose meshes do not match: what the tests of contact and cohesion in space stand on."""
+"""Two solids whose meshes do not match: what the tests of contact and cohesion in three dimensions stand on."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from functools import cached_property
 import numpy as np
 from netgen import occ
 
-from ngcell.contact.assembly import Assembly
-from ngcell.contact.penalty import PenaltyContact, penalty_stiffness
-from ngcell.contact.walls import Walls, find_walls
+from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
+from ngcell.contact.surface.walls import Walls, find_walls
 from ngcell.geometry.shapes import mesh_shapes
 from ngcell.mechanics.bulk import BulkEnergy
 from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
 from ngcell.mechanics.space import DisplacementSpace
+from ngcell.problem.assembly import Assembly
 
 LAW = MooneyRivlinLaw(0.7, 0.3, 20.0)
 
@@ -40,9 +40,9 @@ class Pair:
         contact = PenaltyContact(self.walls, stiffness, 0.4)
         return Assembly(self.space, BulkEnergy(self.space, [LAW] * 2), self.nowhere, contact=contact)
 
-    def moved(self, shift: tuple[float, float, float], amplitude: float, seed: int) -> np.ndarray:
-        """The upper body shifted, both bent at random, with bubbles on top."""
-        return self.bent(amplitude, seed) + (np.array(shift)[:, None] * self.upper).ravel()
+    def moved(self, translation: tuple[float, float, float], amplitude: float, seed: int) -> np.ndarray:
+        """The upper body moved, both bent at random, with bubbles on top."""
+        return self.bent(amplitude, seed) + (np.array(translation)[:, None] * self.upper).ravel()
 
     @property
     def upper(self) -> np.ndarray:

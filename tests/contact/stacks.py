@@ -8,14 +8,14 @@ from functools import cached_property
 import numpy as np
 from netgen import occ
 
-from ngcell.contact.assembly import Assembly
-from ngcell.contact.mortar import MortarContact
-from ngcell.contact.penalty import penalty_stiffness
-from ngcell.contact.walls import Walls, find_walls
+from ngcell.contact.methods.mortar import MortarContact
+from ngcell.contact.methods.penalty import penalty_stiffness
+from ngcell.contact.surface.walls import Walls, find_walls
 from ngcell.geometry.shapes import mesh_shapes
 from ngcell.mechanics.bulk import BulkEnergy
 from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
 from ngcell.mechanics.space import DisplacementSpace
+from ngcell.problem.assembly import Assembly
 
 LAW = MooneyRivlinLaw(1.0, 1.0, 100.0)
 REACH = 0.2
@@ -41,10 +41,10 @@ class Stack:
         modulus = np.full(2, LAW.plane_strain_modulus)
         return MortarContact(self.walls, penalty_stiffness(self.walls, modulus, 10.0), REACH)
 
-    def upper_moved(self, shift: tuple[float, float]) -> np.ndarray:
+    def upper_moved(self, translation: tuple[float, float]) -> np.ndarray:
         """Displacement that moves the upper body only."""
         member = (self.space.body_of_unknown == 1) * self.space.one
-        return (np.array(shift)[:, None] * member).ravel()
+        return (np.array(translation)[:, None] * member).ravel()
 
     def positions(self, displacement: np.ndarray) -> np.ndarray:
         return self.space.rest + displacement.reshape(2, -1)

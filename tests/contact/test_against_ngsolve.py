@@ -12,9 +12,9 @@ import ngsolve
 import numpy as np
 import pytest
 
-from ngcell.contact.gap import GapKinematics
-from ngcell.contact.penalty import PenaltyContact
-from ngcell.contact.walls import Walls
+from ngcell.contact.gap.kinematics import GapKinematics
+from ngcell.contact.methods.penalty import PenaltyContact
+from ngcell.contact.surface.walls import Walls
 from ngcell.mechanics.space import csr_matrix
 from tests.tissues import SmallTissue, small_tissue
 
@@ -34,7 +34,7 @@ def facing_cells(order: int) -> SmallTissue:
 def with_gauss_points(walls: Walls, count: int) -> Walls:
     points, weights = np.polynomial.legendre.leggauss(count)
     length = np.linalg.norm(walls.rest[:, -1] - walls.rest[:, 0], axis=1)
-    return replace(walls, stations=(points + 1) / 2, weights=length[:, None] * weights / 2)
+    return replace(walls, quadrature_points=(points + 1) / 2, weights=length[:, None] * weights / 2)
 
 
 def displaced(tissue: SmallTissue, right: ngsolve.CF) -> ngsolve.GridFunction:
@@ -81,10 +81,10 @@ def symbolic_contact(
 
 
 def on_facing_walls(tissue: SmallTissue, kinematics: GapKinematics) -> np.ndarray:
-    """Which partners are points of one of the two walls with a foot on the other."""
+    """Which contact pairs are points of one of the two walls with a foot on the other."""
     middle = np.abs(tissue.walls.rest[:, :, 0] - np.sqrt(3) / 2).max(1) < 1e-9
-    partners = kinematics.partners
-    return middle[partners.edge] & middle[partners.other] & ~partners.at_end
+    pairs = kinematics.pairs
+    return middle[pairs.edge] & middle[pairs.other] & ~pairs.at_end
 
 
 @pytest.mark.parametrize("order", [2, 3])
@@ -97,13 +97,11 @@ def test_closest_points_are_those_of_ngsolve_where_walls_are_apart(order):
     walls = with_gauss_points(tissue.walls, 3)
     positions = tissue.positions(field.vec.FV().NumPy())
     kinematics = PenaltyContact(walls, np.ones(walls.edge_count), REACH).pair(positions).kinematics
-    from_left = np.flatnonzero(
-        on_facing_walls(tissue, kinematics) & (walls.body[kinematics.partners.edge] == 0)
-    )
+    from_left = np.flatnonzero(on_facing_walls(tissue, kinematics) & (walls.body[kinematics.pairs.edge] == 0))
     assert len(from_left) == 9
     away, _ = kinematics.vectors(positions)
-    places = walls.places(kinematics.partners.edge, kinematics.partners.here, walls.rest)
-    rule = ngsolve.IntegrationRule([(xi, 0, 0) for xi in walls.stations], [1.0] * 3)
+    places = walls.places(kinematics.pairs.edge, kinematics.pairs.here, walls.rest)
+    rule = ngsolve.IntegrationRule([(xi, 0, 0) for xi in walls.quadrature_points], [1.0] * 3)
     points = mesh.MapToAllElements({ngsolve.ET.SEGM: rule}, mesh.Boundaries("left"))
     theirs, height = contact.gap(points), ngsolve.y(points).ravel()
     ours = np.argsort(places[from_left, 1])
@@ -115,7 +113,7 @@ def test_closest_points_are_those_of_ngsolve_where_walls_are_apart(order):
 
 @pytest.mark.parametrize(
     ("order", "shape"), [(1, shortened), (2, shortened), (2, bulging), (3, bulging)]
-)  # at order 1 a bulge would have kinks, where pairs differ
+)  # at order 1 a sagitta would have kinks, where pairs differ
 def test_energy_and_forces_are_those_of_the_symbolic_form(order, shape):
     tissue = facing_cells(order)
     field = displaced(tissue, shape(-0.005))
@@ -129,22 +127,22 @@ def test_energy_and_forces_are_those_of_the_symbolic_form(order, shape):
     assert contact.energy(positions) == pytest.approx(form.Energy(field.vec), rel=1e-9)
     force = field.vec.CreateVector()
     form.Apply(field.vec, force)
-    gap, slopes, spring = contact.springs(positions)
-    ours = slopes.T @ (spring * np.minimum(gap, 0))
+    gap, slopes, penalty = contact.penalty_terms(positions)
+    ours = slopes.T @ (penalty * np.minimum(gap, 0))
     np.testing.assert_allclose(ours, force.FV().NumPy(), atol=1e-9 * np.abs(ours).max())
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_tangent_is_that_of_the_symbolic_form_on_straight_walls(order):
-    """On curved walls ours has one term more: the partner follows."""
+    """On curved walls ours has one term more: the contact pair follows."""
     tissue = facing_cells(order)
     field = displaced(tissue, shortened(-0.005))
     walls = with_gauss_points(tissue.walls, order + 1)
     positions = tissue.positions(field.vec.FV().NumPy())
     contact = PenaltyContact(walls, np.full(walls.edge_count, STIFFNESS), REACH).pair(positions)
-    gap, slopes, spring = contact.springs(positions)
+    gap, slopes, penalty = contact.penalty_terms(positions)
     closed = slopes[np.flatnonzero(gap < 0)].toarray()
-    ours = closed.T @ (spring[gap < 0][:, None] * closed) + contact.curvature(positions).toarray()
+    ours = closed.T @ (penalty[gap < 0][:, None] * closed) + contact.curvature(positions).toarray()
     form, _kept = symbolic_contact(tissue, field, order + 1)
     form.AssembleLinearization(field.vec)
     np.testing.assert_allclose(ours, csr_matrix(form.mat).toarray(), atol=1e-9 * np.abs(ours).max())

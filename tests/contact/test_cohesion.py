@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from ngcell.contact.assembly import Assembly
-from ngcell.contact.cohesion import Bonds, ExponentialLaw, bond_walls
+from ngcell.contact.methods.cohesion import Bonds, ExponentialLaw, bond_walls
+from ngcell.problem.assembly import Assembly
 from tests.contact.derivatives import assert_derivatives, smooth_step
 from tests.contact.stacks import blocks
 from tests.tissues import SmallTissue, rotation, small_tissue
@@ -21,9 +21,9 @@ def bonded(tissue: SmallTissue) -> tuple[Assembly, Bonds]:
     return Assembly(tissue.space, tissue.bulk, tissue.motion.fixed, contact=tissue.contact, bonds=bonds), bonds
 
 
-def moved(tissue: SmallTissue, depth: float, slip: float, amplitude: float = 0.02) -> np.ndarray:
+def moved(tissue: SmallTissue, depth: float, correction: float, amplitude: float = 0.02) -> np.ndarray:
     """Bent walls, the right cell pushed in by `depth` and along by `slip`."""
-    return tissue.smooth(amplitude, 3) + tissue.body_shift(1, np.array([-depth, slip]))
+    return tissue.smooth(amplitude, 3) + tissue.body_translation(1, np.array([-depth, correction]))
 
 
 def test_the_law_has_its_strength_and_its_energy():
@@ -39,13 +39,13 @@ def test_the_law_has_its_strength_and_its_energy():
 
 @pytest.mark.parametrize("order", [1, 2, 3])
 @pytest.mark.parametrize("depth", [-0.04, 0.01], ids=["open", "pressed"])
-@pytest.mark.parametrize("slip", [0.0, 0.05])
+@pytest.mark.parametrize("correction", [0.0, 0.05])
 @pytest.mark.parametrize("before", [0.0, 0.5, 2.0], ids=["loading", "mixed", "unloading"])
-def test_forces_and_tangent_are_derivatives_of_one_energy(order, depth, slip, before):
+def test_forces_and_tangent_are_derivatives_of_one_energy(order, depth, correction, before):
     """Both sides of both kinks: walls apart and pressed, bonds that open further and that have been opened more."""
     tissue = small_tissue(1, 2, order=order)
     problem, bonds = bonded(tissue)
-    at = moved(tissue, depth, slip)
+    at = moved(tissue, depth, correction)
     bonds.largest = before * np.median(bonds.openings(tissue.positions(at))) * np.ones_like(bonds.largest)
     heights = bonds.kinematics.gaps(tissue.positions(at))
     assert (heights > 0).any() if depth < 0 else (heights < 0).any()
@@ -59,8 +59,8 @@ def test_rest_has_no_force_and_the_stiffness_of_whole_bonds():
     rest = tissue.space.rest
     assert bonds.energy(rest) == pytest.approx(0, abs=1e-20)
     assert np.abs(bonds.gradient(rest)).max() < 1e-12
-    shift = tissue.body_shift(1, np.array([0.0, 1.0]))  # along the wall, of length 1
-    assert shift @ (bonds.tangent(rest) @ shift) == pytest.approx(LAW.stiffness_at_rest, rel=1e-9)
+    translation = tissue.body_translation(1, np.array([0.0, 1.0]))  # along the wall, of length 1
+    assert translation @ (bonds.tangent(rest) @ translation) == pytest.approx(LAW.stiffness_at_rest, rel=1e-9)
 
 
 def test_a_rigid_motion_of_all_costs_nothing_and_turns_the_forces():
@@ -78,7 +78,7 @@ def test_a_rigid_motion_of_all_costs_nothing_and_turns_the_forces():
 def test_pressed_walls_feel_no_bond():
     tissue = small_tissue(1, 2)
     _, bonds = bonded(tissue)
-    positions = tissue.positions(tissue.body_shift(1, np.array([-0.01, 0.0])))
+    positions = tissue.positions(tissue.body_translation(1, np.array([-0.01, 0.0])))
     assert bonds.energy(positions) == pytest.approx(0, abs=1e-15)
     assert np.abs(bonds.gradient(positions)).max() < 1e-12
 
@@ -86,7 +86,9 @@ def test_pressed_walls_feel_no_bond():
 def test_parting_costs_the_separation_energy_and_nothing_comes_back():
     tissue = small_tissue(1, 2)
     _, bonds = bonded(tissue)
-    positions = [tissue.positions(tissue.body_shift(1, np.array([x, 0.0]))) for x in LAW.peak * np.array([2.0, 40.0])]
+    positions = [
+        tissue.positions(tissue.body_translation(1, np.array([x, 0.0]))) for x in LAW.peak * np.array([2.0, 40.0])
+    ]
     bonds.advance(positions[0])
     stored, spent = bonds.stored(positions[0]), bonds.spent(positions[0])
     assert stored + spent == pytest.approx(float(LAW.work(np.array(2 * LAW.peak))), rel=1e-9)
@@ -95,7 +97,7 @@ def test_parting_costs_the_separation_energy_and_nothing_comes_back():
     bonds.advance(positions[1])
     assert bonds.energy(positions[1]) == pytest.approx(ENERGY, rel=1e-12)
     assert np.abs(bonds.gradient(positions[0])).max() < 1e-12 * STRENGTH
-    bonds.heal()
+    bonds.reset()
     assert bonds.spent(tissue.space.rest) < 1e-20
 
 
@@ -104,11 +106,11 @@ def test_unloading_follows_the_secant():
     _, bonds = bonded(tissue)
 
     def pull(opening: float) -> float:
-        force = bonds.gradient(tissue.positions(tissue.body_shift(1, np.array([opening, 0.0]))))
-        return float(force @ tissue.body_shift(1, np.array([1.0, 0.0])))
+        force = bonds.gradient(tissue.positions(tissue.body_translation(1, np.array([opening, 0.0]))))
+        return float(force @ tissue.body_translation(1, np.array([1.0, 0.0])))
 
     top = pull(1.5 * LAW.peak)
-    bonds.advance(tissue.positions(tissue.body_shift(1, np.array([1.5 * LAW.peak, 0.0]))))
+    bonds.advance(tissue.positions(tissue.body_translation(1, np.array([1.5 * LAW.peak, 0.0]))))
     assert top == pytest.approx(float(LAW.traction(np.array(1.5 * LAW.peak))), rel=1e-9)
     assert pull(0.5 * LAW.peak) == pytest.approx(top / 3, rel=1e-9)
     assert pull(1.5 * LAW.peak) == pytest.approx(top, rel=1e-12)

@@ -5,16 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ngcell.contact.gap import GapKinematics
-from ngcell.contact.penalty import PenaltyContact
+from ngcell.contact.gap.kinematics import GapKinematics
+from ngcell.contact.methods.penalty import PenaltyContact
 from tests.tissues import SmallTissue, small_tissue
 
 STEPS = np.array([2e-3, 1e-3, 5e-4])
 
 
-def bent_pair(
-    order: int, depth: float, dent: float = 0.0, aside: float = 0.2
-) -> tuple[SmallTissue, np.ndarray]:
+def bent_pair(order: int, depth: float, dent: float = 0.0, aside: float = 0.2) -> tuple[SmallTissue, np.ndarray]:
     """Two bent cells, the right one pushed into the left one and aside, and their displacement.
 
     Each of them has the middle node of the wall between them moved in by `dent`.
@@ -24,7 +22,7 @@ def bent_pair(
     middle = tissue.space.one * (np.hypot(x - np.sqrt(3) / 2, y) < 1e-6)
     inward = np.where(tissue.space.body_of_unknown == 0, -dent, dent) * middle
     dented = np.concatenate([inward, 0 * inward])
-    return tissue, tissue.smooth(0.03, 3) + dented + tissue.body_shift(1, np.array([-depth, aside]))
+    return tissue, tissue.smooth(0.03, 3) + dented + tissue.body_translation(1, np.array([-depth, aside]))
 
 
 def paired(tissue: SmallTissue, displacement: np.ndarray) -> GapKinematics:
@@ -48,15 +46,13 @@ def test_taylor_remainders_of_gaps_vanish_at_their_rates(order, place, at_end, c
     at, size = tissue.positions(displacement), tissue.space.size
     gap, slopes = kinematics.slopes(at)
     np.testing.assert_array_equal(gap, kinematics.gaps(at))
-    is_meant = (kinematics.partners.at_end == at_end) & ((gap < 0) == closed) & (np.abs(gap) > 0.01)
+    is_meant = (kinematics.pairs.at_end == at_end) & ((gap < 0) == closed) & (np.abs(gap) > 0.01)
     chosen = np.flatnonzero(is_meant)
     assert len(chosen)
     way = tissue.smooth(1.0, 9)
     slope = (kinematics.jacobian(slopes, size) @ way)[chosen]
     blocks = kinematics.curvatures(at, chosen)
-    bend = [
-        way @ (kinematics.assemble(blocks[[i]], chosen[[i]], size) @ way) for i in range(len(chosen))
-    ]
+    bend = [way @ (kinematics.assemble(blocks[[i]], chosen[[i]], size) @ way) for i in range(len(chosen))]
     frozen, first, second = [], [], []
     for step in STEPS:
         held = kinematics.gaps(at + step * way.reshape(2, -1))[chosen]
@@ -72,10 +68,10 @@ def test_taylor_remainders_of_gaps_vanish_at_their_rates(order, place, at_end, c
 def gaps_of_pairs(
     tissue: SmallTissue, displacement: np.ndarray, before: GapKinematics, chosen: np.ndarray
 ) -> np.ndarray:
-    """Gaps of the same points to the same bodies, with the partners found anew."""
+    """Gaps of the same points to the same bodies, with the contact pairs found anew."""
     kinematics = paired(tissue, displacement)
-    partners, known = kinematics.partners, before.partners
-    where = {key: number for number, key in enumerate(zip(partners.edge, partners.here, strict=True))}
+    pairs, known = kinematics.pairs, before.pairs
+    where = {key: number for number, key in enumerate(zip(pairs.edge, pairs.here, strict=True))}
     same = [where[known.edge[number], known.here[number]] for number in chosen]
     return kinematics.gaps(tissue.positions(displacement))[same]
 
@@ -83,32 +79,32 @@ def gaps_of_pairs(
 @pytest.mark.parametrize("distance", [0.05, -0.05])
 def test_gaps_are_positive_between_walls_apart_and_negative_where_they_overlap(distance):
     tissue = small_tissue(1, 2)
-    shift = tissue.body_shift(1, np.array([distance, 0.0]))
-    kinematics = paired(tissue, shift)
-    x, y = tissue.walls.places(kinematics.partners.edge, kinematics.partners.here, tissue.walls.rest).T
+    translation = tissue.body_translation(1, np.array([distance, 0.0]))
+    kinematics = paired(tissue, translation)
+    x, y = tissue.walls.places(kinematics.pairs.edge, kinematics.pairs.here, tissue.walls.rest).T
     between = (np.abs(x - np.sqrt(3) / 2) < 1e-9) & (np.abs(y) < 0.4)
-    assert set(tissue.walls.body[kinematics.partners.edge[between]]) == {0, 1}
-    np.testing.assert_allclose(kinematics.gaps(tissue.positions(shift))[between], distance, atol=1e-12)
+    assert set(tissue.walls.body[kinematics.pairs.edge[between]]) == {0, 1}
+    np.testing.assert_allclose(kinematics.gaps(tissue.positions(translation))[between], distance, atol=1e-12)
 
 
 @pytest.mark.parametrize("order", [1, 2, 3, 4])
 @pytest.mark.parametrize("depth", [0.1, -0.1])
-def test_partners_are_closest_points(order, depth):
+def test_contact_pairs_are_closest_points(order, depth):
     tissue, displacement = bent_pair(order, depth)
     kinematics = paired(tissue, displacement)
-    partners, walls = kinematics.partners, tissue.walls
+    pairs, walls = kinematics.pairs, tissue.walls
     at = tissue.positions(displacement)
     away, tangent = kinematics.vectors(at)
     distance = np.linalg.norm(away, axis=1)
     lengths = np.maximum(distance, 1e-9) * np.linalg.norm(tangent, axis=1)
-    feet = ~partners.at_end
+    feet = ~pairs.at_end
     assert (np.abs(np.einsum("nd,nd->n", away, tangent)) / lengths)[feet].max() < 1e-6
     np.testing.assert_allclose(np.abs(kinematics.gaps(at)), distance, rtol=1e-9, atol=1e-14)
     # By brute force: no point of the other body's walls is nearer.
     outline = walls.basis.values(np.linspace(0, 1, 201)) @ walls.nodes(at)
-    own = walls.places(partners.edge, partners.here, walls.nodes(at))
+    own = walls.places(pairs.edge, pairs.here, walls.nodes(at))
     for body in (0, 1):
-        mine = walls.body[partners.edge] == body
+        mine = walls.body[pairs.edge] == body
         theirs = outline[walls.body != body].reshape(-1, 2)
         nearest = np.linalg.norm(own[mine][:, None] - theirs, axis=2).min(1)
         assert (distance[mine] <= nearest + 1e-12).all()

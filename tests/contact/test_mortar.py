@@ -1,4 +1,4 @@
-"""The mortar method: weighted gaps, the energy of its springs, their forces and tangent, and what it learns."""
+"""The mortar method: weighted gaps, the energy of its penalty terms, their forces and tangent, and what it updates."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from functools import cached_property
 import numpy as np
 import pytest
 
-from ngcell.contact.assembly import Assembly
-from ngcell.contact.mortar import MortarContact, MortarSet
-from ngcell.contact.penalty import penalty_stiffness
-from ngcell.contact.state import State
+from ngcell.contact.methods.mortar import MortarContact, MortarSet
+from ngcell.contact.methods.penalty import penalty_stiffness
+from ngcell.problem.assembly import Assembly
+from ngcell.problem.state import State
 from tests.contact.stacks import Stack, blocks, rings
 from tests.tissues import LAW, LONGEST_STEP, SmallTissue, dense_stiffness, small_tissue
 
 ORDERS = [1, 2, 3, 4]
-#: What the multipliers of pressed walls push with, in units of spring stiffness times length.
+#: What the multipliers of pressed walls push with, in units of penalty term stiffness times length.
 PUSH = 0.02
 
 
@@ -42,11 +42,11 @@ class Cells:
 
     def state(self, depth: float, aside: float, bend: float = 0.02) -> State:
         """Bent walls, the right cell pushed in by `depth` and along by `aside`."""
-        shift = self.tissue.body_shift(1, np.array([-depth, aside]))
-        return self.problem.at(self.tissue.smooth(bend, 3) + shift)
+        translation = self.tissue.body_translation(1, np.array([-depth, aside]))
+        return self.problem.at(self.tissue.smooth(bend, 3) + translation)
 
     def along_walls(self, state: State) -> np.ndarray:
-        """Which of the weighted gaps belong to functions; the others belong to watched points."""
+        """Which of the weighted gaps belong to functions; the others belong to point constraints."""
         return state.contact.rows < self.contact.space.size
 
 
@@ -57,7 +57,7 @@ def cells(order: int, multipliers: float = 0.0) -> Cells:
 #: Depth, slide along the wall and multipliers of states, and how many of the gaps are pressed.
 STATES = {
     "open": (-0.04, 0.2, 0.0, "none"),
-    "open, with multipliers that have let go": (-0.07, 0.2, PUSH / 2, "none"),
+    "open, with multipliers that have released": (-0.07, 0.2, PUSH / 2, "none"),
     "open, still pushed": (-0.01, 0.2, 3 * PUSH, "all"),
     "closed": (0.01, 0.2, 0.0, "all"),
     "closed, with multipliers": (0.01, 0.2, PUSH, "all"),
@@ -70,11 +70,11 @@ STATES = {
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("name", STATES)
 def test_forces_are_the_slopes_of_the_energy(order, name):
-    """Segments and partners are found anew in each state, so the cuts' share in the slope is tested, too."""
+    """Segments and contact pairs are found anew in each state, so the cuts' share in the slope is tested, too."""
     depth, aside, multipliers, pressed = STATES[name]
     pair = cells(order, multipliers)
     state = pair.state(depth, aside)
-    gap, _, _ = state.contact.springs(pair.tissue.positions(state.displacement))
+    gap, _, _ = state.contact.penalty_terms(pair.tissue.positions(state.displacement))
     closed = gap < 0
     assert {"none": not closed.any(), "some": closed.any(), "all": closed[pair.along_walls(state)].all()}[pressed]
     way = pair.tissue.smooth(1.0, 8)
@@ -91,7 +91,7 @@ def test_forces_are_the_slopes_of_the_energy(order, name):
 
 
 def moved(problem: Assembly, state: State, step: np.ndarray) -> float:
-    """Contact energy after a step, with partners found anew."""
+    """Contact energy after a step, with contact pairs found anew."""
     positions = problem.positions(state.displacement + step)
     return problem.contact.pair(positions).energy(positions)
 
@@ -121,16 +121,16 @@ def tangent_miss(pair: Cells, state: State) -> float:
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_the_model_holds_on_both_sides_of_the_kink(order, side):
-    """At the kink all springs are just at rest: pressed after a step to one side, not after one to the other."""
+    """At the kink all penalty terms are just at rest: pressed after a step to one side, not after one to the other."""
     pair = cells(order)
     state = pair.state(-0.01, 0.2, bend=0.0)
     contact, positions = state.contact, pair.tissue.positions(state.displacement)
     pair.contact.multipliers[contact.rows] = contact.stiffness * contact.weighted_gaps(positions)
     state = pair.problem.at(state.displacement)
-    gap, jacobian, spring = state.contact.springs(positions)
+    gap, jacobian, penalty = state.contact.penalty_terms(positions)
     assert np.abs(gap).max() < 1e-15 and np.abs(pair.problem.contact_force(state)).max() < 1e-12
-    way = side * pair.tissue.body_shift(1, np.array([1.0, 0.0]))
-    foreseen = 0.5 * (spring * np.minimum(jacobian @ way, 0) ** 2).sum()
+    way = side * pair.tissue.body_translation(1, np.array([1.0, 0.0]))
+    foreseen = 0.5 * (penalty * np.minimum(jacobian @ way, 0) ** 2).sum()
     assert (foreseen > 0) == (side < 0)
     for step in (1e-3, 1e-4, 1e-5):
         change = moved(pair.problem, state, step * way) - moved(pair.problem, state, 0 * way)
@@ -193,37 +193,37 @@ def pressed_pair(order: int) -> tuple[Cells, State, MortarSet, np.ndarray]:
 
 
 @pytest.mark.parametrize("order", ORDERS)
-def test_learned_pressures_are_what_the_springs_push_with(order):
-    """With them, and walls that just touch, the same forces act; what was learned is told as a gap."""
+def test_updated_pressures_are_what_the_penalty_terms_push_with(order):
+    """With them, and walls that just touch, the same forces act; what was updated is told as a gap."""
     pair, state, contact, positions = pressed_pair(order)
-    force, pushed = pair.problem.contact_force(state), contact.pressures(positions)
+    force, applied = pair.problem.contact_force(state), contact.pressures(positions)
     far = np.setdiff1d(np.arange(len(pair.contact.multipliers)), contact.rows)
     pair.contact.multipliers[far] = 0
-    gap, energy = pair.contact.improve(contact, positions, lambda: 1.0)
-    np.testing.assert_allclose(pair.contact.multipliers[contact.rows], pushed, rtol=1e-14)
-    changed = (pushed - contact.pressure) / contact.stiffness
+    gap, energy = pair.contact.update_multipliers(contact, positions, lambda: 1.0)
+    np.testing.assert_allclose(pair.contact.multipliers[contact.rows], applied, rtol=1e-14)
+    changed = (applied - contact.pressure) / contact.stiffness
     assert gap == pytest.approx(np.abs(changed).max(), rel=1e-12)
     assert energy == pytest.approx((contact.stiffness * contact.weight * changed**2).sum() / 2, rel=1e-12)
-    # As springs they push as hard again, with the overlaps that are still there.
+    # As penalty terms they push as hard again, with the overlaps that are still there.
     harder = pair.problem.contact_force(pair.problem.at(state.displacement))
     assert np.abs(harder).sum() > np.abs(force).sum()
 
 
 @pytest.mark.parametrize("order", ORDERS)
-def test_pushes_of_the_points_are_the_forces_without_the_cuts(order):
+def test_contact_forces_of_the_points_are_the_forces_without_the_cuts(order):
     pair, state, contact, positions = pressed_pair(order)
     _, slopes = contact.kinematics.slopes(positions)
-    pushed = contact.kinematics.jacobian(slopes, positions.shape[1]).T @ -contact.pushes(positions)
+    applied = contact.kinematics.jacobian(slopes, positions.shape[1]).T @ -contact.contact_forces(positions)
     weight = contact.weight * contact.pressures(positions)
     ends = contact.cuts.jacobian(positions).T @ -weight
-    np.testing.assert_allclose(pushed + ends, pair.problem.contact_force(state), atol=1e-12)
+    np.testing.assert_allclose(applied + ends, pair.problem.contact_force(state), atol=1e-12)
 
 
 def pressures_of_a_flat_overlap(order: int) -> tuple[Stack, np.ndarray, np.ndarray, float]:
-    """Pressures at all quadrature points, which of these lie between the blocks, and what the springs push with."""
+    """Pressures at all quadrature points, which of these lie between the blocks, and what the penalty terms push with."""
     stack = blocks((0.3, 0.17), order=order)
     contact, positions = stack.contact, stack.positions(stack.upper_moved((0.0, -1e-3)))
-    points = stack.walls.stationed
+    points = stack.walls.quadrature
     place = stack.walls.places(points.edge, points.xi, stack.walls.rest)
     carrier = contact.stiffness[stack.walls.body == int(np.argmin(contact._rank))][0]
     return stack, contact.pressures(positions, points), np.abs(place[:, 1] - 0.5) < 1e-12, 1e-3 * carrier
@@ -232,11 +232,11 @@ def pressures_of_a_flat_overlap(order: int) -> tuple[Stack, np.ndarray, np.ndarr
 @pytest.mark.parametrize("order", ORDERS)
 def test_the_pressure_of_a_pair_is_the_same_on_both_its_walls(order):
     """A uniform gap is one of the space, so a uniform pressure comes out of it."""
-    stack, pressure, between, pushed = pressures_of_a_flat_overlap(order)
-    points = stack.walls.stationed
+    stack, pressure, between, applied = pressures_of_a_flat_overlap(order)
+    points = stack.walls.quadrature
     inside = between & (np.abs(stack.walls.places(points.edge, points.xi, stack.walls.rest)[:, 0]) < 0.49)
     assert set(stack.walls.body[points.edge[inside]]) == {0, 1}
-    np.testing.assert_allclose(pressure[inside], pushed, rtol=1e-9)
+    np.testing.assert_allclose(pressure[inside], applied, rtol=1e-9)
     assert (pressure >= 0).all()
 
 

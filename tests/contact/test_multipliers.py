@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ngcell.contact.multipliers import SHARP, MultiplierSpace, bulge, watched_points
+from ngcell.contact.methods.multipliers import SHARP, MultiplierSpace, constrained_points, sagitta
 from tests.contact.stacks import rings
 from tests.tissues import SmallTissue, small_tissue
 
@@ -53,7 +53,7 @@ def joints(tissue: SmallTissue) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     order = np.argsort(ends.ravel(), kind="stable").reshape(-1, 2)
     np.testing.assert_array_equal(ends.ravel()[order[:, 0]], ends.ravel()[order[:, 1]])
     edge, end = np.divmod(order, 2)
-    return edge, end.astype(float), np.abs(tissue.walls.turning[edge[:, 0], end[:, 0]]) < SHARP
+    return edge, end.astype(float), np.abs(tissue.walls.exterior_angle[edge[:, 0], end[:, 0]]) < SHARP
 
 
 @pytest.mark.parametrize("order", ORDERS)
@@ -71,9 +71,9 @@ def test_a_pressure_is_continuous_at_smooth_joints_and_broken_at_corners(order, 
     assert space.size == space.degree * tissue.walls.edge_count + (1 - 2) * (~smooth).sum()
 
 
-def test_watched_points_are_each_vertex_once_and_the_quarters_of_edges():
+def test_constrained_points_are_each_vertex_once_and_the_quarters_of_edges():
     walls = small_tissue(1, 2, radius=0.2).walls
-    edge, xi = watched_points(walls)
+    edge, xi = constrained_points(walls)
     np.testing.assert_array_equal(np.diff(edge) >= 0, True)
     place = walls.places(edge, xi, walls.rest)
     quarters = walls.basis.values(np.array([0.25, 0.5, 0.75])) @ walls.rest
@@ -86,14 +86,14 @@ def test_watched_points_are_each_vertex_once_and_the_quarters_of_edges():
 
 
 @pytest.mark.parametrize("order", ORDERS)
-def test_the_bulge_of_arcs_is_at_least_what_chords_cut_off(order):
+def test_the_sagitta_of_arcs_is_at_least_what_chords_cut_off(order):
     walls = rings((0.3, 0.3), order=order).walls
     length = np.linalg.norm(walls.rest[:, -1] - walls.rest[:, 0], axis=1)
     radius = np.linalg.norm(walls.rest[:, 0], axis=1)
-    sagitta = radius - np.sqrt(radius**2 - length**2 / 4)
+    cut_off = radius - np.sqrt(radius**2 - length**2 / 4)
     if order == 1:
-        assert (bulge(walls, walls.rest) >= sagitta * (1 - 1e-9)).all()
-        assert (bulge(walls, walls.rest) <= 2.1 * sagitta.max()).all()
+        assert (sagitta(walls, walls.rest) >= cut_off * (1 - 1e-9)).all()
+        assert (sagitta(walls, walls.rest) <= 2.1 * cut_off.max()).all()
     else:
         # Curved edges turn smoothly at their joints.
-        assert bulge(walls, walls.rest).max() < 0.05 * sagitta.max()
+        assert sagitta(walls, walls.rest).max() < 0.05 * cut_off.max()

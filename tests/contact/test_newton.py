@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ngcell.contact.assembly import Assembly
-from ngcell.solve.minimum import Ending, Tether
+from ngcell.problem.assembly import Assembly
+from ngcell.solve.minimum import Ending, ProximalTerm
 from tests.tissues import SmallTissue, dense_stiffness, small_tissue
 
 
@@ -17,7 +17,7 @@ def pressed_cells(order: int) -> SmallTissue:
     left_end, right_end = np.zeros((2, 2, 6), dtype=bool)
     left_end[0, (right + 3) % 6] = right_end[1, right] = True
     ends = {"left": left_end, "right": right_end}
-    return small_tissue(1, 2, order=order, edges=3, wall=0.15, travel=(-0.3, 0.1), supports=ends)
+    return small_tissue(1, 2, order=order, edges=3, wall=0.15, prescribed_displacement=(-0.3, 0.1), supports=ends)
 
 
 def newton_step(problem: Assembly, displacement: np.ndarray) -> np.ndarray:
@@ -32,10 +32,10 @@ def newton_step(problem: Assembly, displacement: np.ndarray) -> np.ndarray:
 def test_the_update_of_pairs_converges_quadratically(order):
     tissue = pressed_cells(order)
     problem, minimiser = tissue.released, tissue.minimiser(tissue.released)
-    displacement = tissue.motion.carried(0.0)
+    displacement = tissue.motion.lifting(0.0)
     for load in (0.25, 0.5, 0.75, 1.0):
-        grown = displacement + tissue.motion.carried(load) - tissue.motion.carried(load - 0.25)
-        minimum = minimiser.minimise(grown, Tether(0.0, grown), 1e-12)
+        grown = displacement + tissue.motion.lifting(load) - tissue.motion.lifting(load - 0.25)
+        minimum = minimiser.minimise(grown, ProximalTerm(0.0, grown), 1e-12)
         assert minimum.ending is Ending.CONVERGED
         displacement = minimum.state.displacement
     for _ in range(4):

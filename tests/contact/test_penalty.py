@@ -6,26 +6,26 @@ import ngsolve
 import numpy as np
 import pytest
 
-from ngcell.contact.choice import contact_ladder
-from ngcell.contact.facing import find_facing
-from ngcell.contact.penalty import PenaltyContact, penalty_stiffness
+from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
+from ngcell.contact.methods.stages import contact_stages
+from ngcell.contact.pairing.facing import find_facing
 from ngcell.scene import Penalty
 from tests.tissues import LAW, SmallTissue, dense_stiffness, small_tissue
 
 
 def moved(tissue: SmallTissue, depth: float, amplitude: float = 0.02) -> np.ndarray:
     """Bent walls, the right cell pushed in by `depth` and along by 0.2."""
-    return tissue.smooth(amplitude, 3) + tissue.body_shift(1, np.array([-depth, 0.2]))
+    return tissue.smooth(amplitude, 3) + tissue.body_translation(1, np.array([-depth, 0.2]))
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
 @pytest.mark.parametrize("depth", [-0.08, 0.01, 0.06])
 def test_forces_and_tangent_are_derivatives_of_one_energy(order, depth):
-    """Bulk and springs together: at the first depth all walls are open, at the others not."""
+    """Bulk and penalty terms together: at the first depth all walls are open, at the others not."""
     tissue = small_tissue(1, 2, order=order)
     problem, at = tissue.released, moved(tissue, depth)
     state = problem.at(at)
-    gap, slopes, _ = state.contact.springs(tissue.positions(at))
+    gap, slopes, _ = state.contact.penalty_terms(tissue.positions(at))
     assert len(gap) and (gap > 0).all() == (depth < 0)
     way = tissue.smooth(1.0, 8)
     step = min(1e-5, 0.5 * np.min(np.abs(gap) / np.abs(slopes @ way)))  # no wall closes or opens on the way
@@ -39,7 +39,7 @@ def test_forces_and_tangent_are_derivatives_of_one_energy(order, depth):
 
 @pytest.mark.parametrize("order", [1, 2, 3])
 @pytest.mark.parametrize("depth", [0.01, 0.06])
-def test_partners_may_be_frozen_without_changing_the_forces(order, depth):
+def test_contact_pairs_may_be_frozen_without_changing_the_forces(order, depth):
     tissue = small_tissue(1, 2, order=order)
     state, step = tissue.released.at(moved(tissue, depth)), 1e-5
     force = tissue.released.contact_force(state)
@@ -55,7 +55,7 @@ def test_forces_vanish_when_the_walls_part_and_set_in_without_a_jump():
     problem = tissue.released
     forces = []
     for depth in (-1e-3, -1e-9, 1e-9, 1e-6, 1e-3):
-        state = problem.at(tissue.body_shift(1, np.array([-depth, 0.0])))
+        state = problem.at(tissue.body_translation(1, np.array([-depth, 0.0])))
         forces.append(np.abs(problem.contact_force(state)).sum())
     assert forces[0] == forces[1] == 0
     np.testing.assert_allclose(np.array(forces[2:]) / forces[-1], [1e-6, 1e-3, 1], rtol=0.05)
@@ -67,20 +67,20 @@ def test_forces_between_bodies_are_equal_and_opposite_and_push_apart():
     force = tissue.released.contact_force(state).reshape(2, -1)
     x, y = tissue.positions(state.displacement)
     on_right = tissue.space.body_of_unknown == 1
-    push = (force * tissue.space.one)[:, on_right].sum(1)
-    assert push[0] < 0  # the gradient falls towards the right: the right cell is pushed that way
+    normal_force = (force * tissue.space.one)[:, on_right].sum(1)
+    assert normal_force[0] < 0  # the gradient falls towards the right: the right cell is pushed that way
     np.testing.assert_allclose(force @ tissue.space.one, 0, atol=1e-12)
     assert x @ force[1] - y @ force[0] == pytest.approx(0, abs=1e-11)
 
 
 def test_pressures_integrate_to_the_force():
     tissue = small_tissue(1, 2, edges=4)
-    positions = tissue.positions(tissue.body_shift(1, np.array([-0.002, 0.0])))
+    positions = tissue.positions(tissue.body_translation(1, np.array([-0.002, 0.0])))
     contact = tissue.contact.pair(positions)
     kinematics = contact.kinematics
-    pressure = 2 * contact.pushes(positions) / kinematics.partners.weight
-    on_left = tissue.walls.body[kinematics.partners.edge] == 0
-    total = (pressure * kinematics.partners.weight)[on_left].sum()
+    pressure = 2 * contact.contact_forces(positions) / kinematics.pairs.weight
+    on_left = tissue.walls.body[kinematics.pairs.edge] == 0
+    total = (pressure * kinematics.pairs.weight)[on_left].sum()
     stiffness = LAW.plane_strain_modulus / tissue.walls.depth[0]
     assert pressure.max() == pytest.approx(stiffness * 0.002, rel=1e-9)
     assert total == pytest.approx(stiffness * 0.002, rel=0.01)  # a wall of length 1, its tips slightly less
@@ -99,7 +99,7 @@ def test_exchanging_the_bodies_changes_nothing(order):
         a, b = sign * x, sign * y
         return sign * ngsolve.CF((0.04 - 0.05 * b * b + 0.02 * a * b, 0.1 + 0.1 * a - 0.05 * a * a))
 
-    def push(sign: float) -> ngsolve.CF:
+    def normal_force(sign: float) -> ngsolve.CF:
         a, b = sign * x, sign * y
         return sign * ngsolve.CF((-0.03 * b + 0.02 * a * a, 0.05 * a * b))
 
@@ -110,8 +110,8 @@ def test_exchanging_the_bodies_changes_nothing(order):
         contact = PenaltyContact(tissue.walls, stiffness, 0.2).pair(positions)
         return contact.energy(positions)
 
-    one = energy(bend(1), push(1), soft_and_hard)
-    other = energy(push(-1), bend(-1), 8.0 - soft_and_hard)
+    one = energy(bend(1), normal_force(1), soft_and_hard)
+    other = energy(normal_force(-1), bend(-1), 8.0 - soft_and_hard)
     assert one > 1e-5
     assert other == pytest.approx(one, rel=1e-9)
 
@@ -119,7 +119,7 @@ def test_exchanging_the_bodies_changes_nothing(order):
 def test_a_pair_is_as_stiff_as_its_softer_body_and_proportional_to_the_multiple():
     tissue = small_tissue(1, 2)
     moduli = np.array([1.0, 50.0])
-    positions = tissue.positions(tissue.body_shift(1, np.array([-0.01, 0.0])))
+    positions = tissue.positions(tissue.body_translation(1, np.array([-0.01, 0.0])))
 
     def energy(of_body: np.ndarray, multiple: float) -> float:
         stiffness = penalty_stiffness(tissue.walls, of_body, multiple)
@@ -153,18 +153,18 @@ def test_rigid_rotation_of_the_tissue_leaves_zero_stress_and_zero_gap(order, rad
     assert np.abs(LAW.cauchy_stress(numbers)).max() < 1e-12 * LAW.bulk_modulus
 
 
-def test_springs_that_took_over_from_softer_ones_stiffen_where_overlaps_are_too_deep():
+def test_penalty_terms_that_took_over_from_softer_ones_stiffen_where_overlaps_are_too_deep():
     tissue = small_tissue(1, 2)
     meant = tissue.released.contact
     softer = PenaltyContact(meant.walls, meant.stiffness / 10, meant.reach)
     derived = meant.stiffness.copy()
 
     def improved(depth: float) -> float:
-        positions = tissue.positions(tissue.body_shift(1, np.array([-depth, 0.0])))
-        return meant.improve(meant.pair(positions), positions, lambda: 1e9)[0]
+        positions = tissue.positions(tissue.body_translation(1, np.array([-depth, 0.0])))
+        return meant.update_multipliers(meant.pair(positions), positions, lambda: 1e9)[0]
 
     assert improved(0.03 * meant.reach) == 0  # nothing was softer than these
-    at_rest = tissue.positions(tissue.body_shift(1, np.zeros(2)))
+    at_rest = tissue.positions(tissue.body_translation(1, np.zeros(2)))
     meant.follow(softer, at_rest)
     assert improved(0.01 * meant.reach) == 0
     np.testing.assert_array_equal(meant.stiffness, derived)
@@ -175,8 +175,8 @@ def test_springs_that_took_over_from_softer_ones_stiffen_where_overlaps_are_too_
 
 
 @pytest.mark.parametrize("stiffness", [0.01, 0.1, 1.0])
-def test_springs_of_any_stiffness_take_over_from_ones_that_walk_the_path(stiffness):
-    """Else those that a case asks for would not learn where they are too soft for a path's."""
+def test_penalty_terms_of_any_stiffness_take_over_from_ones_that_follow_the_path(stiffness):
+    """Else those that a case asks for would not be updated where they are too soft for a path's."""
     walls = small_tissue(1, 2, order=1).walls
     moduli = np.ones(int(walls.body.max()) + 1)
-    assert len(contact_ladder(Penalty(stiffness=stiffness), walls, moduli, reach=0.1)) > 1
+    assert len(contact_stages(Penalty(stiffness=stiffness), walls, moduli, reach=0.1)) > 1

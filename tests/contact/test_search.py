@@ -1,4 +1,4 @@
-"""Partners against plain geometry: who is inside whom, who has slid past, who answers to two neighbours."""
+"""ContactPairs against plain geometry: who is inside whom, who has slid past, who answers to two neighbours."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from shapely import Point, Polygon
 
-from ngcell.contact.facing import find_facing
-from ngcell.contact.penalty import PenaltyContact
-from ngcell.contact.walls import Walls, find_walls
+from ngcell.contact.methods.penalty import PenaltyContact
+from ngcell.contact.pairing.facing import find_facing
+from ngcell.contact.surface.walls import Walls, find_walls
 from tests.tissues import SmallTissue, rotation, small_tissue
 
 
@@ -24,30 +24,30 @@ def depth_inside(tissue: SmallTissue, point: np.ndarray, centre: np.ndarray, ang
     return tissue.lattice.apothem - np.max((point - centre) @ normals.T, axis=1)
 
 
-SHIFTS = [(-0.1, 0.0), (-0.1, 0.35), (-0.2, 0.8), (-0.2, -0.9), (0.02, 0.3), (-0.3, 1.0), (0.0, 0.5)]
+TRANSLATIONS = [(-0.1, 0.0), (-0.1, 0.35), (-0.2, 0.8), (-0.2, -0.9), (0.02, 0.3), (-0.3, 1.0), (0.0, 0.5)]
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.3])
-@pytest.mark.parametrize("shift", SHIFTS)
-def test_walls_overlap_exactly_where_their_points_lie_inside_the_other_cell(shift, angle):
+@pytest.mark.parametrize("translation", TRANSLATIONS)
+def test_walls_overlap_exactly_where_their_points_lie_inside_the_other_cell(translation, angle):
     tissue = small_tissue(1, 2, edges=7)
     walls, centres = tissue.walls, tissue.lattice.centres.copy()
     turned = tissue.space.affine(rotation(angle) - np.eye(2), centres[1] - rotation(angle) @ centres[1])
     member = tissue.space.body_of_unknown == 1
-    displacement = tissue.body_shift(1, np.array(shift)) + (turned * member).ravel()
-    centres[1] += shift
+    displacement = tissue.body_translation(1, np.array(translation)) + (turned * member).ravel()
+    centres[1] += translation
     positions = tissue.positions(displacement)
     kinematics = contact_between(walls).pair(positions).kinematics
-    gap, partners = kinematics.gaps(positions), kinematics.partners
-    overlap = np.zeros((walls.edge_count, len(walls.stations)))
-    overlap[partners.edge, np.searchsorted(walls.stations, partners.here - 1e-9)] = np.maximum(-gap, 0)
-    point = walls.station_values @ walls.nodes(positions)
+    gap, pairs = kinematics.gaps(positions), kinematics.pairs
+    overlap = np.zeros((walls.edge_count, len(walls.quadrature_points)))
+    overlap[pairs.edge, np.searchsorted(walls.quadrature_points, pairs.here - 1e-9)] = np.maximum(-gap, 0)
+    point = walls.quadrature_values @ walls.nodes(positions)
     expected = np.zeros_like(overlap)
     for body, other, turn in ((0, 1, angle), (1, 0, 0.0)):
         mine = walls.body == body
         depth = depth_inside(tissue, point[mine].reshape(-1, 2), centres[other], turn)
         expected[mine] = np.maximum(depth, 0).reshape(expected[mine].shape)
-    assert expected.max() > 0 or shift[0] >= 0
+    assert expected.max() > 0 or translation[0] >= 0
     np.testing.assert_allclose(overlap, expected, atol=1e-12)
 
 
@@ -59,10 +59,10 @@ def test_a_point_that_slid_past_the_end_of_an_outline_carries_no_force():
     tissue = small_tissue(1, 2, edges=5, supports={"between": facing})
     bodies = replace(tissue.bodies, wall_names="between")  # the walls end at the corners
     walls = find_walls(bodies, tissue.space.scalar, tissue.space.rest)
-    positions = tissue.positions(tissue.body_shift(1, np.array([-0.05, 0.4])))
+    positions = tissue.positions(tissue.body_translation(1, np.array([-0.05, 0.4])))
     contact = contact_between(walls).pair(positions)
-    gap, partners = contact.kinematics.gaps(positions), contact.kinematics.partners
-    y = walls.places(partners.edge, partners.here, walls.nodes(positions))[:, 1]
+    gap, pairs = contact.kinematics.gaps(positions), contact.kinematics.pairs
+    y = walls.places(pairs.edge, pairs.here, walls.nodes(positions))[:, 1]
     both = (y > -0.1) & (y < 0.5)
     np.testing.assert_allclose(gap[both], -0.05, atol=1e-12)
     # No further aside than deep, the end itself still pushes; beyond that nothing does.
@@ -73,8 +73,8 @@ def test_a_point_that_slid_past_the_end_of_an_outline_carries_no_force():
 def test_points_where_three_bodies_meet_answer_to_both_neighbours(order):
     tissue = small_tissue(2, 2, order=order)
     walls = tissue.walls
-    partners = contact_between(walls).pair(tissue.space.rest).kinematics.partners
-    point = walls.places(partners.edge, partners.here, walls.rest)
+    pairs = contact_between(walls).pair(tissue.space.rest).kinematics.pairs
+    point = walls.places(pairs.edge, pairs.here, walls.rest)
     corners = (tissue.lattice.centres[:, None] + tissue.lattice.corners).reshape(-1, 2)
     place, count = np.unique(np.round(corners, 9), axis=0, return_counts=True)
     assert (count == 3).sum() == 2
@@ -82,24 +82,24 @@ def test_points_where_three_bodies_meet_answer_to_both_neighbours(order):
         meeting = np.flatnonzero(np.linalg.norm(corners - corner, axis=1) < 1e-6) // 6
         near = np.linalg.norm(point - corner, axis=1) < 0.05
         for body in meeting:
-            mine = near & (walls.body[partners.edge] == body)
-            seen = np.column_stack([partners.edge, partners.here])[mine]
-            points, partner_count = np.unique(seen, axis=0, return_counts=True)
-            assert len(points) and (partner_count == 2).all()
-            assert set(walls.body[partners.other[mine]]) == set(meeting) - {body}
+            mine = near & (walls.body[pairs.edge] == body)
+            seen = np.column_stack([pairs.edge, pairs.here])[mine]
+            points, pair_count = np.unique(seen, axis=0, return_counts=True)
+            assert len(points) and (pair_count == 2).all()
+            assert set(walls.body[pairs.other[mine]]) == set(meeting) - {body}
 
 
-def test_partners_do_not_depend_on_what_was_searched_before():
+def test_contact_pairs_do_not_depend_on_what_was_searched_before():
     tissue = small_tissue(2, 2)
     used = contact_between(tissue.walls)
     for seed in range(4):
         positions = tissue.positions(tissue.smooth(0.1 * seed, seed))
         seen, fresh = used.pair(positions), contact_between(tissue.walls).pair(positions)
         assert seen.energy(positions) == fresh.energy(positions)
-        np.testing.assert_array_equal(seen.kinematics.partners.other, fresh.kinematics.partners.other)
+        np.testing.assert_array_equal(seen.kinematics.pairs.other, fresh.kinematics.pairs.other)
 
 
-def test_couplings_hold_all_springs_while_nothing_moves_by_more_than_half_of_the_margin():
+def test_couplings_hold_all_penalty_terms_while_nothing_moves_by_more_than_half_of_the_margin():
     tissue = small_tissue(2, 2)
     contact, size = contact_between(tissue.walls), tissue.space.size
     row, column = contact.couplings(tissue.space.rest, 0.2)
@@ -121,12 +121,12 @@ def test_facing_gaps_follow_the_walls_wherever_they_slide():
     tissue = small_tissue(1, 2, edges=4)
     facing = find_facing(tissue.walls, 1e-3)
     assert facing.pairs.tolist() == [[0, 1]]
-    positions = tissue.positions(tissue.body_shift(1, np.array([2.0, 0.0])))
+    positions = tissue.positions(tissue.body_translation(1, np.array([2.0, 0.0])))
     gaps = facing.gaps(tissue.walls, tissue.walls.nodes(positions))
     np.testing.assert_allclose(gaps, 2.0, atol=1e-12)  # far beyond the reach of contact
-    positions = tissue.positions(tissue.body_shift(1, np.array([0.5, 3.0])))
+    positions = tissue.positions(tissue.body_translation(1, np.array([0.5, 3.0])))
     gaps = facing.gaps(tissue.walls, tissue.walls.nodes(positions))
-    point = (tissue.walls.station_values @ tissue.walls.nodes(positions))[facing.edge, facing.station]
+    point = (tissue.walls.quadrature_values @ tissue.walls.nodes(positions))[facing.edge, facing.quadrature_point]
     centres = tissue.lattice.centres + [[0, 0], [0.5, 3.0]]
     outlines = [Polygon(centre + tissue.lattice.corners) for centre in centres]
     expected = [outlines[other].distance(Point(at)) for other, at in zip(facing.other, point, strict=True)]
@@ -135,10 +135,10 @@ def test_facing_gaps_follow_the_walls_wherever_they_slide():
 
 @pytest.mark.parametrize("scale", [1.0, 1e6, 1e-3])
 def test_a_straight_joint_does_not_turn(scale):
-    """To round-off, whatever the unit of length: what follows from a turning would hang on it."""
+    """To round-off, whatever the unit of length: what follows from a exterior angle would depend on it."""
     walls = small_tissue(1, 2).walls
-    turning = walls.turning_at(scale * walls.rest)
-    straight = np.abs(turning) < 1e-3
+    exterior_angle = walls.exterior_angle_at(scale * walls.rest)
+    straight = np.abs(exterior_angle) < 1e-3
     assert straight.any()
-    assert np.abs(turning[straight]).max() < 1e-14
-    np.testing.assert_allclose(turning[~straight], np.pi / 3, rtol=1e-12)
+    assert np.abs(exterior_angle[straight]).max() < 1e-14
+    np.testing.assert_allclose(exterior_angle[~straight], np.pi / 3, rtol=1e-12)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ngcell.contact.search import NearEdges
-from ngcell.contact.segments import FACING, Segments, find_segments, segment_partners
+from ngcell.contact.pairing.search import NearEdges
+from ngcell.contact.pairing.segments import FACING, Segments, find_segments, segment_pairs
 from tests.contact.stacks import REACH, Stack, blocks, rings
 from tests.tissues import rotation
 
@@ -26,7 +26,7 @@ def segments_of(stack: Stack, displacement: np.ndarray, carrier: int) -> tuple[S
 def facing_length(stack: Stack, displacement: np.ndarray, carrier: int) -> float:
     """Length at rest of all that faces the other body within reach: the sum of all quadrature weights."""
     segments, nodes = segments_of(stack, displacement, carrier)
-    points, _ = segment_partners(stack.walls, nodes, segments, REACH)
+    points, _ = segment_pairs(stack.walls, nodes, segments, REACH)
     return float(points.weight.sum())
 
 
@@ -74,7 +74,7 @@ def test_shapes_of_both_sides_are_smooth_on_a_segment(order):
     """All feet of a segment's points lie on its other edge, and the ends of segments are projections of vertices."""
     stack = blocks(FINER_ABOVE, order=order)
     segments, nodes = segments_of(stack, stack.upper_moved((0.07, -0.01)), carrier=0)
-    points, cuts = segment_partners(stack.walls, nodes, segments, REACH)
+    points, cuts = segment_pairs(stack.walls, nodes, segments, REACH)
     assert ((points.xi > 0) & (points.xi < 1)).all()
     assert set(cuts.xi) <= {0.0, 1.0}
     foot = stack.walls.places(cuts.other, cuts.xi, nodes)
@@ -86,7 +86,7 @@ def test_cuts_say_how_fast_the_facing_length_grows():
     stack = blocks(FINER_ABOVE)
     for slide, rate in ((0.21, -1.0), (-0.21, 1.0)):
         segments, nodes = segments_of(stack, stack.upper_moved((slide, 0.0)), carrier=0)
-        _, cuts = segment_partners(stack.walls, nodes, segments, REACH)
+        _, cuts = segment_pairs(stack.walls, nodes, segments, REACH)
         along = nodes[cuts.edge, -1, 0] - nodes[cuts.edge, 0, 0]
         assert (cuts.weight / along).sum() == pytest.approx(rate, abs=1e-12)
 
@@ -120,5 +120,5 @@ def test_walls_out_of_reach_have_no_points():
     at = stack.upper_moved((0.0, 1.01 * REACH))
     segments, nodes = segments_of(stack, at, carrier=0)
     assert len(segments.edge)
-    points, cuts = segment_partners(stack.walls, nodes, segments, REACH)
+    points, cuts = segment_pairs(stack.walls, nodes, segments, REACH)
     assert len(points) == len(cuts) == 0

@@ -1,13 +1,13 @@
-"""The compact solid: one body without a gap, at every order, bubbles of odd order included."""
+"""The tied solid: one body without a gap, at every order, bubbles of odd order included."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from ngcell.contact.assembly import Assembly
-from ngcell.contact.tie import coincident_edges
-from ngcell.solve.minimum import Ending, Tether
+from ngcell.problem.assembly import Assembly
+from ngcell.problem.tie import coincident_edges
+from ngcell.solve.minimum import Ending, ProximalTerm
 from tests.tissues import SmallTissue, dense_stiffness, small_tissue
 
 ORDERS = [1, 2, 3, 4]
@@ -36,7 +36,7 @@ def test_tied_fields_have_no_jump_whatever_the_unknowns(order):
     tissue = small_tissue(2, 2, order=order)
     free = np.random.default_rng(1).standard_normal(tissue.space.unknowns)
     assert largest_jump(tissue, free) > 0.1
-    assert largest_jump(tissue, tissue.compact.expand(free)) < 1e-12
+    assert largest_jump(tissue, tissue.tied.expand(free)) < 1e-12
 
 
 @pytest.mark.parametrize("order", ORDERS)
@@ -44,11 +44,11 @@ def test_affine_fields_pass_the_tie_unchanged(order):
     tissue = small_tissue(2, 3, order=order)
     gradient = np.array([[0.2, -0.3], [0.5, 0.1]])
     field = tissue.space.affine(gradient, np.array([1.0, 2.0])).ravel()
-    np.testing.assert_allclose(tissue.compact.expand(field), field, atol=1e-13)
+    np.testing.assert_allclose(tissue.tied.expand(field), field, atol=1e-13)
 
 
 @pytest.mark.parametrize("order", ORDERS)
-def test_the_compact_solid_has_three_rigid_motions_and_no_other_mechanism(order):
+def test_the_tied_solid_has_three_rigid_motions_and_no_other_mechanism(order):
     tissue = small_tissue(2, 2, order=order, edges=1)
     problem = floating(tissue)
     state = problem.at(np.zeros(tissue.space.unknowns))
@@ -65,12 +65,12 @@ def test_expanding_and_gathering_are_adjoint(order):
     tissue = small_tissue(2, 2, order=order)
     random = np.random.default_rng(2)
     force, motion = random.standard_normal((2, tissue.space.unknowns))
-    problem = tissue.compact
+    problem = tissue.tied
     assert force @ problem.expand(motion) == pytest.approx(problem.gather(force) @ motion, rel=1e-12)
 
 
 @pytest.mark.parametrize("order", [1, 3])
-def test_forces_and_tangent_of_the_compact_solid_are_derivatives_of_its_energy(order):
+def test_forces_and_tangent_of_the_tied_solid_are_derivatives_of_its_energy(order):
     tissue = small_tissue(2, 2, order=order, edges=1)
     problem, step = floating(tissue), 1e-5
     at, way = tissue.smooth(0.05, 1), tissue.smooth(1.0, 2)
@@ -84,11 +84,11 @@ def test_forces_and_tangent_of_the_compact_solid_are_derivatives_of_its_energy(o
 
 
 @pytest.mark.parametrize("order", ORDERS)
-def test_the_solved_compact_solid_has_no_jump_and_hangs_in_balance_between_the_plates(order):
-    tissue = small_tissue(2, 2, order=order, edges=1, travel=(0.3, 0.0))
-    problem = tissue.compact
-    start = tissue.motion.carried(1.0)
-    minimum = tissue.minimiser(problem).minimise(start, Tether(0.0, start))
+def test_the_solved_tied_solid_has_no_jump_and_is_in_balance_between_the_plates(order):
+    tissue = small_tissue(2, 2, order=order, edges=1, prescribed_displacement=(0.3, 0.0))
+    problem = tissue.tied
+    start = tissue.motion.lifting(1.0)
+    minimum = tissue.minimiser(problem).minimise(start, ProximalTerm(0.0, start))
     assert minimum.ending is Ending.CONVERGED
     displacement = problem.expand(minimum.state.displacement)
     assert largest_jump(tissue, displacement) < 1e-12

@@ -111,9 +111,7 @@ def test_a_folder_that_cannot_be_made_is_named(tmp_path):
             ResultFolder(path).__enter__()
 
 
-@pytest.mark.parametrize(
-    "full", ["walls.csv", "history.csv", "tissue_0001.vtu", "walls_0001.vtu", "tissue.pvd"]
-)
+@pytest.mark.parametrize("full", ["walls.csv", "history.csv", "tissue_0001.vtu", "walls_0001.vtu", "tissue.pvd"])
 def test_a_step_that_a_full_disk_refuses_is_taken_back(
     tmp_path, make_record, wall_records, make_snapshot, monkeypatch, full
 ):

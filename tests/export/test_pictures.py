@@ -9,7 +9,7 @@ from matplotlib.image import imread
 from ngcell.errors import OutputError
 from ngcell.export import SnapshotSeries, draw_curves, draw_debonding, draw_tissue, show, write_summary
 from ngcell.export.outline import cell_loops, planar_view
-from ngcell.export.space_picture import _below, _moved
+from ngcell.export.solid_picture import _below, _moved
 from ngcell.results.patterns import pattern_of
 from ngcell.results.snapshot import Grid, Snapshot
 
@@ -58,7 +58,7 @@ def test_the_curves_follow_the_data_and_show_the_onset(tmp_path, make_record):
 
 
 def test_a_history_without_load_or_contact_can_be_drawn(tmp_path, make_record):
-    record = make_record(0, gap=0.0, phase="compact")
+    record = make_record(0, gap=0.0, phase="tied")
     assert draw_curves([record], tmp_path / "gap.png", certified=True).exists()
 
 
@@ -124,15 +124,14 @@ def test_a_picture_that_cannot_be_written_is_named(result):
 
 def test_importing_the_room_loads_no_graphics():
     program = (
-        "import sys, ngcell.export; "
-        "print([m for m in ('pyvista', 'vtkmodules', 'matplotlib') if m in sys.modules])"
+        "import sys, ngcell.export; print([m for m in ('pyvista', 'vtkmodules', 'matplotlib') if m in sys.modules])"
     )
     answer = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert answer.stdout.strip() == "[]"
 
 
 def test_the_plan_of_onsets_follows_the_data(tmp_path, make_snapshot, make_record):
-    history = [make_record(step, 0.01 * step, clumps=step) for step in range(1, 5)]
+    history = [make_record(step, 0.01 * step, components=step) for step in range(1, 5)]
     cells = make_snapshot(1).bulk
 
     def draw(name, onset, certified=True):

@@ -45,9 +45,7 @@ def test_a_failed_write_keeps_the_summary_before_it(tmp_path, monkeypatch):
     assert [path.name for path in tmp_path.iterdir()] == ["summary.json"]
 
 
-@pytest.mark.parametrize(
-    "text, said", [(None, "is .* the result of a run"), ("{", "is not JSON"), ("[]", "a list")]
-)
+@pytest.mark.parametrize("text, said", [(None, "is .* the result of a run"), ("{", "is not JSON"), ("[]", "a list")])
 def test_a_summary_that_cannot_be_read_is_named(tmp_path, text, said):
     if text is not None:
         (tmp_path / "summary.json").write_text(text)

@@ -59,7 +59,7 @@ def test_a_killed_run_leaves_whole_rows(tmp_path):
     """)
     killed = subprocess.run([sys.executable, "-c", program, tmp_path / "walls.csv"], check=False)
     assert killed.returncode == -signal.SIGKILL
-    assert [row["clump"] for row in read(tmp_path / "walls.csv")] == ["0", "0", "0"]
+    assert [row["component"] for row in read(tmp_path / "walls.csv")] == ["0", "0", "0"]
 
 
 def test_a_row_that_the_disk_refuses_is_taken_back(tmp_path, make_record, monkeypatch):

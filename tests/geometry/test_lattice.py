@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from ngcell.contact.facing import count_corners, find_facing
+from ngcell.contact.pairing.facing import count_corners, find_facing
 from ngcell.geometry.lattice import Lattice, hexagonal_lattice
 from tests.tissues import small_tissue
 
@@ -82,7 +82,7 @@ def test_plates_of_flat_rows_hold_three_walls_of_protruding_cells_and_one_of_the
     lattice = hexagonal_lattice(5, 7, side=1.0, pointy=False)
     bottom, top = lattice.hull_walls(0, -1).sum(1), lattice.hull_walls(4, 1).sum(1)
     assert bottom[:7].tolist() == [3, 1, 3, 1, 3, 1, 3]
-    # At the top the shifted columns protrude; the outermost cells add the wall that looks past the patch.
+    # At the top the moved columns protrude; the outermost cells add the wall that looks past the patch.
     assert top[-7:].tolist() == [2, 3, 1, 3, 1, 3, 2]
     assert bottom[7:].sum() == top[:-7].sum() == 0
 

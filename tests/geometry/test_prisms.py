@@ -6,8 +6,8 @@ import ngsolve
 import numpy as np
 import pytest
 
-from ngcell.contact.facing import count_corners, find_facing
-from ngcell.contact.walls import find_walls
+from ngcell.contact.pairing.facing import count_corners, find_facing
+from ngcell.contact.surface.walls import find_walls
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.prisms import prism_mesh
 from ngcell.geometry.rings import ring_mesh, ring_section
@@ -24,7 +24,7 @@ def test_prisms_are_their_section_times_the_height(filled):
     area = ngsolve.Integrate(ngsolve.CF(1), flat.mesh)
     assert ngsolve.Integrate(ngsolve.CF(1), bodies.mesh) == pytest.approx(0.7 * area, rel=1e-12)
     assert bodies.mesh.ne == 3 * flat.mesh.ne
-    assert set(bodies.mesh.GetBoundaries()) == {*flat.mesh.GetBoundaries(), "front", "back"}
+    assert set(bodies.mesh.GetBoundaries()) == {*flat.mesh.GetBoundaries(), "upper-end", "lower-end"}
     for name in flat.mesh.GetBoundaries():
         length, surface = (
             ngsolve.Integrate(ngsolve.CF(1), part.mesh.Boundaries(name), ngsolve.BND) for part in (flat, bodies)
@@ -59,7 +59,7 @@ def test_closed_prisms_have_end_walls_and_a_closed_lumen(filled):
     flux = ngsolve.specialcf.normal(3) * ngsolve.CF((ngsolve.x, ngsolve.y, ngsolve.z))
     total = walls + (4 * 0.7 * inside if filled else 0)
     assert ngsolve.Integrate(flux, bodies.mesh, ngsolve.BND) == pytest.approx(3 * total, rel=1e-12)
-    assert ngsolve.Integrate(ngsolve.CF(1), bodies.mesh.Boundaries("front"), ngsolve.BND) == pytest.approx(4 * whole)
+    assert ngsolve.Integrate(ngsolve.CF(1), bodies.mesh.Boundaries("upper-end"), ngsolve.BND) == pytest.approx(4 * whole)
     if not filled:
         lumen = ngsolve.Integrate(flux, bodies.mesh.Boundaries("lumen"), ngsolve.BND)
         assert lumen == pytest.approx(-3 * 4 * 0.7 * inside, rel=1e-12)
@@ -89,13 +89,13 @@ def test_layers_are_prisms_of_their_own_that_face_each_other(filled, end_wall):
     volume = ngsolve.Integrate(ngsolve.CF(1), bodies.mesh)
     assert volume == pytest.approx(3 * ngsolve.Integrate(ngsolve.CF(1), one.mesh), rel=1e-12)
     assert ngsolve.Integrate(normal * place, bodies.mesh, ngsolve.BND) == pytest.approx(3 * volume, rel=1e-12)
-    end = ngsolve.Integrate(ngsolve.CF(1), one.mesh.Boundaries("front"), ngsolve.BND)
-    for region, count in (("front", 1), ("back", 1), ("between", 4)):
+    end = ngsolve.Integrate(ngsolve.CF(1), one.mesh.Boundaries("upper-end"), ngsolve.BND)
+    for region, count in (("upper-end", 1), ("lower-end", 1), ("between", 4)):
         found = ngsolve.Integrate(ngsolve.CF(1), bodies.mesh.Boundaries(region), ngsolve.BND)
         assert found == pytest.approx(count * end, rel=1e-12)
     space = DisplacementSpace(bodies, 2)
     walls = find_walls(bodies, space.scalar, space.rest)
-    assert walls.stationed.weight.sum() == pytest.approx(4 * end + 3 * 4 * 6 * 0.7, rel=1e-12)
+    assert walls.quadrature.weight.sum() == pytest.approx(4 * end + 3 * 4 * 6 * 0.7, rel=1e-12)
     facing = find_facing(walls, 1e-3)
     apart = np.diff(facing.pairs).ravel()
     along, stacked = facing.pairs[apart < 4], facing.pairs[apart == 4]

@@ -95,10 +95,10 @@ def test_elements_are_right_side_out_and_the_boundary_elements_look_outward(radi
 def test_walls_enclose_each_body_outward_at_every_order(order):
     tissue = small_tissue(2, 2, order=order)
     walls = tissue.walls
-    tangent = walls.basis.values(walls.stations, 1) @ walls.rest
+    tangent = walls.basis.values(walls.quadrature_points, 1) @ walls.rest
     normal = walls.side[:, None, None] * np.stack([tangent[..., 1], -tangent[..., 0]], axis=-1)
     normal /= np.linalg.norm(normal, axis=2)[..., None]
-    position = walls.station_values @ walls.rest
+    position = walls.quadrature_values @ walls.rest
     flux = (walls.weights * (position * normal).sum(2)).sum(1)
     np.testing.assert_allclose(np.bincount(walls.body, flux), 2 * HEXAGON, rtol=1e-12)
     np.testing.assert_allclose(np.bincount(walls.body, walls.weights.sum(1)), 6, rtol=1e-12)
@@ -113,9 +113,7 @@ def test_the_depth_behind_a_wall_is_the_element_area_over_its_length():
 def test_supports_and_walls_share_out_all_outer_edges():
     tissue = small_tissue(3, 4, edges=3)
     mesh = tissue.bodies.mesh
-    count = {
-        name: sum(1 for _ in mesh.Boundaries(name).Elements()) for name in ("low", "high", "wall", "lumen")
-    }
+    count = {name: sum(1 for _ in mesh.Boundaries(name).Elements()) for name in ("low", "high", "wall", "lumen")}
     assert count == {"low": 3 * 8, "high": 3 * 8, "wall": 3 * (6 * 12 - 16), "lumen": 3 * 6 * 12}
     assert tissue.bodies.wall_names.split("|") == ["wall", "low", "high"]
     assert tissue.walls.edge_count == 3 * 6 * 12

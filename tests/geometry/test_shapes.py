@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from netgen import occ
 
-from ngcell.contact.walls import find_walls
+from ngcell.contact.surface.walls import find_walls
 from ngcell.errors import CaseError, GeometryError
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.shapes import check_boundaries, mesh_shapes

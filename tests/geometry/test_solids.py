@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from netgen import occ
 
-from ngcell.contact.facing import find_facing
-from ngcell.contact.walls import find_walls
+from ngcell.contact.pairing.facing import find_facing
+from ngcell.contact.surface.walls import find_walls
 from ngcell.errors import GeometryError
 from ngcell.geometry.enclosure import winding_numbers
 from ngcell.geometry.near import near_pairs
@@ -63,7 +63,7 @@ def test_curved_faces_follow_the_sphere(order):
     assert np.abs(radius - 1).max() < {1: 1e-12, 2: 1e-3, 3: 1e-3}[order]
 
 
-def test_near_pairs_in_space_are_those_of_all_distances():
+def test_near_pairs_in_three_dimensions_are_those_of_all_distances():
     points = np.random.default_rng(1).uniform(0, 1, (300, 3))
     one, two = near_pairs(points, 0.13)
     apart = np.linalg.norm(points[:, None] - points[None], axis=2)

@@ -29,9 +29,7 @@ def test_taylor_remainders_of_energy_and_forces_vanish_at_their_rates(law, order
     np.testing.assert_allclose(tangent.toarray(), tangent.toarray().T, atol=1e-11)
     bent = tangent @ way
     first = [abs(bulk.energy(at + h * way) - energy - h * force @ way) for h in STEPS]
-    second = [
-        abs(bulk.energy(at + h * way) - energy - h * force @ way - h * h / 2 * way @ bent) for h in STEPS
-    ]
+    second = [abs(bulk.energy(at + h * way) - energy - h * force @ way - h * h / 2 * way @ bent) for h in STEPS]
     forces = [np.linalg.norm(bulk.gradient(at + h * way) - force - h * bent) for h in STEPS]
     np.testing.assert_allclose(rates(first), 2, atol=0.15)
     np.testing.assert_allclose(rates(second), 3, atol=0.15)

@@ -104,7 +104,7 @@ def test_a_reinforced_block_is_pulled_by_the_force_of_the_closed_form(kind, stre
             "supports": [
                 {"boundary": "block_left", "components": "x"},
                 {"boundary": "block_bottom", "components": "y"},
-                {"boundary": "block_right", "components": "x", "shift": [stretch - 1, 0.0]},
+                {"boundary": "block_right", "components": "x", "translation": [stretch - 1, 0.0]},
             ],
             "mesh": {"size": 0.5, "order": 2},
         }

@@ -65,19 +65,19 @@ def test_taylor_remainders_of_energy_and_forces_vanish_at_their_rates(order):
         np.testing.assert_allclose(np.log2(np.array(remainders[:-1]) / remainders[1:]), rate, atol=0.15)
 
 
-def test_what_is_learned_is_the_pressure_that_the_liquid_answers_with():
+def test_what_is_updated_is_the_pressure_that_the_liquid_answers_with():
     tissue = small_tissue(1, 1)
     found = fluids(tissue, modulus=2.0)
     squeezed = tissue.space.affine(np.diag([-0.01, 0.0]), np.zeros(2)).ravel()
     assert found.missed(squeezed) == pytest.approx(0.01, rel=1e-9)
     assert found.pressures(squeezed) == pytest.approx([0.02], rel=1e-9)
     forces = found.gradient(squeezed)
-    off, energy = found.improve(squeezed)
+    off, energy = found.update_multipliers(squeezed)
     assert off == pytest.approx(0.01 * np.sqrt(found.area[0]), rel=1e-9)
     assert energy == pytest.approx(2.0 * 0.01**2 / 2 * found.area[0], rel=1e-9)
     assert found.pressure == pytest.approx([0.02], rel=1e-9)
     assert found.pressures(squeezed) == pytest.approx([0.04], rel=1e-9)
-    found.hasten()
+    found.increase_penalty()
     assert found.pressures(squeezed) == pytest.approx([0.22], rel=1e-9)
     found.apply(1.0)
     np.testing.assert_allclose(found.gradient(squeezed), forces, atol=1e-15)

@@ -87,8 +87,8 @@ def test_fibres_along_the_axis_pull_on_its_ends_by_the_force_of_the_closed_form(
     strain = max(0.0, stretch**2 - 1)
     meant = 2 * law.stiffness * strain * np.exp(law.exponent * strain**2) * stretch * area
     np.testing.assert_allclose(pull[:2], 0, atol=1e-12)
-    front = space.region_unknowns("front")
-    assert (pull[2] * space.one)[front].sum() == pytest.approx(meant, rel=1e-12, abs=1e-14)
+    upper_end = space.region_unknowns("upper-end")
+    assert (pull[2] * space.one)[upper_end].sum() == pytest.approx(meant, rel=1e-12, abs=1e-14)
     assert (pull[2] * space.one).sum() == pytest.approx(0, abs=1e-12)
 
 

@@ -110,11 +110,11 @@ def test_forces_and_tangent_are_derivatives_of_the_potential(scene):
 def test_loads_that_depend_on_the_place_do_the_work_of_their_integrals():
     loads = [BodyForce("body", lambda x, y: (x**2, 3.0)), Traction("right", lambda x, y: (0.0, y))]
     scene = loaded(block(), loads, order=1)
-    shift = np.repeat([0.5, -2.0], scene.space.size) * np.tile(scene.space.one, 2)
+    translation = np.repeat([0.5, -2.0], scene.space.size) * np.tile(scene.space.one, 2)
     area_x = (2.3**3 - 0.3**3) / 3
     side_y = (1.2**2 - 0.2**2) / 2
     work = 0.5 * area_x - 2.0 * (3.0 * 2.0 + side_y)
-    assert scene.loads.potential(shift, 1.0) == pytest.approx(-work, rel=1e-12)
+    assert scene.loads.potential(translation, 1.0) == pytest.approx(-work, rel=1e-12)
 
 
 def test_the_bulk_energy_adds_the_potential_at_the_applied_load_factor(scene):
@@ -143,9 +143,7 @@ def test_forces_are_the_pressure_on_the_deformed_line(name):
     away = ngsolve.CF((ngsolve.x - centre[0], ngsolve.y - centre[1])) * ngsolve.specialcf.normal(2)
     normal = (-1 if name == "bore" else 1) * ngsolve.IfPos(away, 1, -1) * ngsolve.specialcf.normal(2)
     gradient = ngsolve.Grad(u)
-    cofactor = ngsolve.CF(
-        (1 + gradient[1, 1], -gradient[1, 0], -gradient[0, 1], 1 + gradient[0, 0]), dims=(2, 2)
-    )
+    cofactor = ngsolve.CF((1 + gradient[1, 1], -gradient[1, 0], -gradient[0, 1], 1 + gradient[0, 0]), dims=(2, 2))
     for load in scene.loads._loads:
         if isinstance(load, Pressure):
             force = -load.value * cofactor * normal

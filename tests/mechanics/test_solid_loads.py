@@ -33,9 +33,7 @@ def cube() -> occ.Solid:
 
 def held(space: DisplacementSpace, *planes: str) -> PrescribedMotion:
     components = [tuple(axis == plane[0] for axis in "xyz") for plane in planes]
-    supports = [
-        Support(plane, STILL, np.zeros(3), which) for plane, which in zip(planes, components, strict=True)
-    ]
+    supports = [Support(plane, STILL, np.zeros(3), which) for plane, which in zip(planes, components, strict=True)]
     return PrescribedMotion(space, supports)
 
 
@@ -86,8 +84,8 @@ def test_pressure_on_a_half_ball_is_borne_by_its_plane_of_symmetry():
     loads = BoundaryLoads(space, [Pressure("rim", 2.0)], motion)
     loads.apply(1.0)
     stretched = np.array([1.2, 0.9, 1.1])[:, None] * space.rest - space.rest
-    push = -(loads.gradient(stretched.ravel()).reshape(3, -1) @ space.one)
-    np.testing.assert_allclose(push, [0, 0, -2.0 * pi * 1.2 * 0.9], atol=2e-2)
+    normal_force = -(loads.gradient(stretched.ravel()).reshape(3, -1) @ space.one)
+    np.testing.assert_allclose(normal_force, [0, 0, -2.0 * pi * 1.2 * 0.9], atol=2e-2)
 
 
 @pytest.mark.parametrize("held_planes", [(), ("y0",)])

@@ -10,16 +10,16 @@ from ngcell.mechanics.supports import PrescribedMotion, Support
 from tests.tissues import small_tissue
 
 GRADIENT = np.array([[0.1, 0.3], [-0.2, 0.05]])
-SHIFT = np.array([0.4, -0.1])
+TRANSLATION = np.array([0.4, -0.1])
 
 
 @pytest.mark.parametrize("order", [1, 2, 3, 4])
 def test_the_support_follows_its_affine_map_at_every_point(order):
     tissue = small_tissue(2, 2, order=order)
-    motion = PrescribedMotion(tissue.space, [Support("low|high", GRADIENT, SHIFT)])
+    motion = PrescribedMotion(tissue.space, [Support("low|high", GRADIENT, TRANSLATION)])
     field = tissue.space.function(motion.imposed(tissue.smooth(0.1, 1), 0.5))
     place = ngsolve.CF((ngsolve.x, ngsolve.y))
-    wanted = 0.5 * (ngsolve.CF(tuple(GRADIENT.ravel()), dims=(2, 2)) * place + ngsolve.CF(tuple(SHIFT)))
+    wanted = 0.5 * (ngsolve.CF(tuple(GRADIENT.ravel()), dims=(2, 2)) * place + ngsolve.CF(tuple(TRANSLATION)))
     wrong = field - wanted
     held = tissue.bodies.mesh.Boundaries("low|high")
     assert ngsolve.Integrate(wrong * wrong, held, order=2 * order) < 1e-26
@@ -29,9 +29,9 @@ def test_the_support_follows_its_affine_map_at_every_point(order):
 @pytest.mark.parametrize("order", [1, 2, 3, 4])
 def test_affine_unknowns_are_the_affine_function(order):
     space = small_tissue(1, 2, order=order).space
-    field = space.function(space.affine(GRADIENT, SHIFT))
+    field = space.function(space.affine(GRADIENT, TRANSLATION))
     place = ngsolve.CF((ngsolve.x, ngsolve.y))
-    wrong = field - ngsolve.CF(tuple(GRADIENT.ravel()), dims=(2, 2)) * place - ngsolve.CF(tuple(SHIFT))
+    wrong = field - ngsolve.CF(tuple(GRADIENT.ravel()), dims=(2, 2)) * place - ngsolve.CF(tuple(TRANSLATION))
     assert ngsolve.Integrate(wrong * wrong, space.bodies.mesh, order=2 * order) < 1e-26
 
 
@@ -42,30 +42,30 @@ def test_only_the_named_components_are_prescribed_and_the_later_support_counts()
     motion = PrescribedMotion(
         tissue.space,
         [
-            Support("low", still, SHIFT, components=(False, True)),
-            Support("low|high", still, 2 * SHIFT, components=(True, False)),
-            Support("high", still, 3 * SHIFT),
+            Support("low", still, TRANSLATION, components=(False, True)),
+            Support("low|high", still, 2 * TRANSLATION, components=(True, False)),
+            Support("high", still, 3 * TRANSLATION),
         ],
     )
     one = tissue.space.one
     moved = motion.imposed(np.full(tissue.space.unknowns, 7.0), 1.0).reshape(2, -1)
-    np.testing.assert_allclose(moved[1, low], SHIFT[1] * one[low])
-    np.testing.assert_allclose(moved[0, high], 3 * SHIFT[0] * one[high])
+    np.testing.assert_allclose(moved[1, low], TRANSLATION[1] * one[low])
+    np.testing.assert_allclose(moved[0, high], 3 * TRANSLATION[0] * one[high])
     assert motion.fixed[:, low].all() and motion.fixed[:, high].all()
     assert (moved[~motion.fixed] == 7).all()
 
 
 def test_imposing_leaves_its_argument_alone():
-    tissue = small_tissue(1, 1, travel=(0.2, 0.0))
+    tissue = small_tissue(1, 1, prescribed_displacement=(0.2, 0.0))
     before = tissue.smooth(0.1, 1)
     kept = before.copy()
     tissue.motion.imposed(before, 1.0)
     np.testing.assert_array_equal(before, kept)
 
 
-def test_the_carried_field_meets_the_supports_and_grows_with_the_load():
-    tissue = small_tissue(3, 3, travel=(0.3, -0.1))
-    full, half = tissue.motion.carried(1.0), tissue.motion.carried(0.5)
+def test_the_lifting_meets_the_supports_and_grows_with_the_load():
+    tissue = small_tissue(3, 3, prescribed_displacement=(0.3, -0.1))
+    full, half = tissue.motion.lifting(1.0), tissue.motion.lifting(0.5)
     np.testing.assert_allclose(half, full / 2, atol=1e-15)
     np.testing.assert_array_equal(full, tissue.motion.imposed(full, 1.0))
     assert np.isfinite(tissue.bulk.energy(full))

@@ -10,21 +10,21 @@ from itertools import pairwise
 import numpy as np
 from netgen import occ
 
-from ngcell.contact.assembly import Assembly
-from ngcell.contact.choice import contact_ladder
-from ngcell.contact.walls import find_walls
+from ngcell.contact.methods.stages import contact_stages
+from ngcell.contact.surface.walls import find_walls
 from ngcell.geometry.shapes import mesh_shapes
 from ngcell.mechanics.bulk import BulkEnergy
 from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
 from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
+from ngcell.problem.assembly import Assembly
 from ngcell.results.forces import ContactForces, contact_forces
 from ngcell.scene import MooneyRivlin
 from ngcell.scene.bodies import BodyScene, BodySupport
+from ngcell.solve.continuation import Continuation
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.released import Released
-from ngcell.solve.selection import Release
 from ngcell.solve.single_step import single_step
 from ngcell.solve.step import Accepted
 
@@ -84,16 +84,16 @@ class Equilibrium:
         return self.rig.motion.resultant(self.reactions, boundary)
 
     def contact_points(self) -> tuple[np.ndarray, np.ndarray]:
-        """Gap and pressure on the reference length, of all partners."""
+        """Gap and pressure on the reference length, of all contact pairs."""
         contact = self.accepted.minimum.state.contact
-        weight = contact.kinematics.partners.weight
-        return contact.kinematics.gaps(self.positions), 2 * contact.pushes(self.positions) / weight
+        weight = contact.kinematics.pairs.weight
+        return contact.kinematics.gaps(self.positions), 2 * contact.contact_forces(self.positions) / weight
 
     def is_contact_point_in(self, *, low: tuple[float, float], high: tuple[float, float]) -> np.ndarray:
         """Which of the contact points lie in a box at rest."""
         walls = self.rig.assembly.contact.walls
-        partners = self.accepted.minimum.state.contact.kinematics.partners
-        point = walls.places(partners.edge, partners.here, walls.rest)
+        pairs = self.accepted.minimum.state.contact.kinematics.pairs
+        point = walls.places(pairs.edge, pairs.here, walls.rest)
         return ((point >= low) & (point <= high)).all(1)
 
     def vertices(self, boundary: str) -> np.ndarray:
@@ -133,23 +133,22 @@ class Rig:
             self.bodies = replace(self.bodies, wall_names=walls)
         self.space = DisplacementSpace(self.bodies, scene.order)
         self.laws = [
-            MooneyRivlinLaw(body.material.c1, body.material.c2, body.material.bulk_modulus)
-            for body in scene.bodies
+            MooneyRivlinLaw(body.material.c1, body.material.c2, body.material.bulk_modulus) for body in scene.bodies
         ]
         supports = [
-            Support(given.boundary, np.array(given.gradient), np.array(given.shift), given.components)
+            Support(given.boundary, np.array(given.gradient), np.array(given.translation), given.components)
             for given in scene.supports
         ]
         self.motion = PrescribedMotion(self.space, supports)
         self.loads = BoundaryLoads(self.space, scene.loads, self.motion) if scene.loads else None
         self.bulk = BulkEnergy(self.space, self.laws, self.loads)
-        self.ladder = self._ladder()
-        self.assembly = self.ladder[-1]
+        self.stages = self._stages()
+        self.assembly = self.stages[-1]
 
-    def _ladder(self) -> list[Assembly]:
+    def _stages(self) -> list[Assembly]:
         walls = find_walls(self.bodies, self.space.scalar, self.space.rest)
         moduli = np.array([law.plane_strain_modulus for law in self.laws])
-        methods = contact_ladder(self.scene.contact, walls, moduli, reach=self.bodies.thickness)
+        methods = contact_stages(self.scene.contact, walls, moduli, reach=self.bodies.thickness)
         return [Assembly(self.space, self.bulk, self.motion.fixed, contact=method) for method in methods]
 
     def _minimiser(self, assembly: Assembly) -> Minimiser:
@@ -157,11 +156,11 @@ class Rig:
         volume = float(self.space.one @ self.space.scalar_mass @ self.space.one)
         return Minimiser(assembly, self.bodies.thickness / 2, energy_scale=modulus * volume)
 
-    def walk(self) -> Iterator[Equilibrium]:
+    def accepted_steps(self) -> Iterator[Equilibrium]:
         """Equilibria at the levels."""
         apart = self._minimiser(Assembly(self.space, self.bulk, self.motion.fixed))
         scale = max(law.shear_modulus for law in self.laws) / self.bodies.length**2
-        released = Released(apart, tuple(map(self._minimiser, self.ladder)), Release(scale), self.loads)
+        released = Released(apart, tuple(map(self._minimiser, self.stages)), Continuation(scale), self.loads)
         for accepted in single_step(released, self.motion, steps=self.scene.level_factors):
             yield Equilibrium(self, accepted)
 

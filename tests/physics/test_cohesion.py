@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from scipy.integrate import simpson
 
-from ngcell.contact.cohesion import ExponentialLaw
-from ngcell.observation import Step
+from ngcell.build.observation import Step
+from ngcell.build.simulation import Simulation
+from ngcell.contact.methods.cohesion import ExponentialLaw
 from ngcell.scene import Block, BodyCase, Cohesion, MooneyRivlin
 from ngcell.scene.case_of_bodies import SupportEntry
 from ngcell.scene.mesh import BodyMeshChoice
-from ngcell.simulation import Simulation
 
 WIDTH, ENERGY = 0.5, 0.01
 MATERIAL = MooneyRivlin(c1=0.5, c2=0.5, bulk_modulus=20.0)
@@ -25,7 +25,7 @@ class Pulled:
     """Blocks pulled apart: the law and the accepted steps."""
 
     law: ExponentialLaw
-    travel: float
+    prescribed_displacement: float
     steps: list[Step]
 
     def column(self, name: str) -> np.ndarray:
@@ -34,11 +34,11 @@ class Pulled:
     @property
     def work(self) -> float:
         """Work of the support by Simpson's rule."""
-        return float(simpson(self.column("plate_force_y"), self.travel * self.column("load_factor")))
+        return float(simpson(self.column("plate_force_y"), self.prescribed_displacement * self.column("load_factor")))
 
 
-def blocks_case(travel: float, steps: int, cohesion: Cohesion | None) -> BodyCase:
-    """Two halves of blocks of height 0.5 along their plane of symmetry; the upper one is moved up by `travel`."""
+def blocks_case(prescribed_displacement: float, steps: int, cohesion: Cohesion | None) -> BodyCase:
+    """Two halves of blocks of height 0.5 along their plane of symmetry; the upper one is moved up by `prescribed displacement`."""
 
     def block(name: str, bottom: float, wall: str) -> Block:
         low, high = (0.0, bottom), (WIDTH, bottom + 0.5)
@@ -52,7 +52,7 @@ def blocks_case(travel: float, steps: int, cohesion: Cohesion | None) -> BodyCas
             SupportEntry(boundary="lower_left", components="x"),
             SupportEntry(boundary="upper_left", components="x"),
             SupportEntry(boundary="lower_bottom", components="y"),
-            SupportEntry(boundary="upper_top", shift=(0.0, travel), components="y"),
+            SupportEntry(boundary="upper_top", translation=(0.0, prescribed_displacement), components="y"),
         ),
         cohesion=cohesion,
         mesh=BodyMeshChoice(order=1),
@@ -64,7 +64,7 @@ def pulled(strength: float, peaks: float, steps: int) -> Pulled:
     """Blocks pulled apart by so many times the opening at the peak."""
     law = ExponentialLaw(strength, ENERGY)
     case = blocks_case(peaks * law.peak, steps, Cohesion(strength=strength, energy=ENERGY))
-    return Pulled(law, peaks * law.peak, list(Simulation(case).walk()))
+    return Pulled(law, peaks * law.peak, list(Simulation(case).accepted_steps()))
 
 
 def test_the_work_of_separation_is_the_separation_energy():
@@ -119,14 +119,14 @@ def test_contact_in_compression_is_unchanged():
 
 def pressed(cohesion: Cohesion | None) -> Step:
     """The blocks, pressed together by a tenth."""
-    return list(Simulation(blocks_case(-0.1, 1, cohesion)).walk())[-1]
+    return list(Simulation(blocks_case(-0.1, 1, cohesion)).accepted_steps())[-1]
 
 
 def test_bonds_that_were_opened_go_back_along_the_secant():
     law = ExponentialLaw(0.1, ENERGY)
     levels = (0.5, 1.0, 0.5, 0.0)
     case = blocks_case(6.0 * law.peak, 40, Cohesion(strength=0.1, energy=ENERGY)).model_copy(update={"levels": levels})
-    steps = list(Simulation(case).walk())
+    steps = list(Simulation(case).accepted_steps())
     rows = [step.record for step in steps]
     assert all(row.certified for row in rows)
     farthest = max(range(len(rows)), key=lambda n: rows[n].load_factor)

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 from netgen.meshing import Mesh
 
-from ngcell.contact.assembly import Assembly
 from ngcell.geometry.bodies import FILLING, BodyMesh
 from ngcell.mechanics.bulk import BulkEnergy
 from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
 from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
+from ngcell.problem.assembly import Assembly
 from ngcell.scene import Traction
 from ngcell.solve.minimise import Minimiser
-from ngcell.solve.minimum import Ending, Tether
+from ngcell.solve.minimum import Ending, ProximalTerm
 
 MU, FORCE = 80.1938, 100.0
 #: Exponent by which elements get smaller towards the corner where the stress is singular.
@@ -62,7 +62,7 @@ def corner(count: int, order: int, ratio: float) -> tuple[np.ndarray, int]:
     state = np.zeros(space.unknowns)
     for load in np.linspace(0.25, 1.0, 4):
         loads.apply(load)
-        minimum = minimiser.minimise(state, Tether(0.0, state))
+        minimum = minimiser.minimise(state, ProximalTerm(0.0, state))
         assert minimum.ending is Ending.CONVERGED
         state = minimum.state.displacement
     return state.reshape(2, -1)[:, (count + 1) ** 2 - 1], space.unknowns

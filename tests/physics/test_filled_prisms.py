@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from ngcell.simulation import Simulation
+from ngcell.build.simulation import Simulation
 from tests.physics.test_pressed_ends import nominal_stress
 from tests.prisms import MATERIAL, SOFT, case, last_step
 
@@ -32,10 +32,10 @@ def test_a_cell_full_of_what_its_wall_is_made_of_is_a_solid_block(along):
     force = simulation.bulk.gradient(at).reshape(3, -1)
     scale = np.abs(force).max()
     np.testing.assert_allclose(force[:2], 0, atol=1e-10 * scale)
-    ends = {name: space.region_unknowns(name) for name in ("front", "back")}
+    ends = {name: space.region_unknowns(name) for name in ("upper-end", "lower-end")}
     inside = np.setdiff1d(np.arange(space.size), np.concatenate(list(ends.values())))
     np.testing.assert_allclose(force[2, inside], 0, atol=1e-10 * scale)
-    borne = (force[2] * space.one)[ends["front"]].sum()
+    borne = (force[2] * space.one)[ends["upper-end"]].sum()
     assert borne == pytest.approx(nominal_stress(along, across)[0] * HEXAGON, rel=1e-10)
 
 

@@ -1,4 +1,4 @@
-"""K6: cells under pressure that nothing holds round off, and no cut through the cluster carries a force."""
+"""K6: cells under pressure that nothing holds round off, and no cut through the cluster has a force."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ from itertools import chain, combinations
 import numpy as np
 import pytest
 
-from ngcell.contact.assembly import Assembly
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.rings import ring_mesh
 from ngcell.mechanics.bulk import BulkEnergy
 from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion
+from ngcell.problem.assembly import Assembly
 from ngcell.results.forces import contact_forces
 from ngcell.scene import Pressure
+from ngcell.solve.continuation import Continuation
 from ngcell.solve.released import Released
-from ngcell.solve.selection import Release
 from ngcell.solve.single_step import single_step
 from tests.tissues import LAW, SmallTissue
 
@@ -37,7 +37,7 @@ def test_no_cut_through_a_free_cluster_carries_a_force(rows, cols):
     loads = BoundaryLoads(tissue.space, [Pressure("lumen", PRESSURE)], tissue.motion)
     bulk = BulkEnergy(tissue.space, [LAW] * tissue.bodies.body_count, loads)
     apart, touching = (Assembly(tissue.space, bulk, tissue.motion.fixed, contact=c) for c in (None, tissue.contact))
-    path = Release(LAW.shear_modulus)
+    path = Continuation(LAW.shear_modulus)
     released = Released(tissue.minimiser(apart), (tissue.minimiser(touching),), path, loads)
     (step,) = single_step(released, tissue.motion, steps=[1.0])
     state = step.minimum.state
@@ -50,6 +50,6 @@ def test_no_cut_through_a_free_cluster_carries_a_force(rows, cols):
         across = (towards[:, None] * forces.force)[crossing].sum(0)
         assert np.linalg.norm(across) < 1e-4 * scale
     assert forces.total < 1e-3 * scale
-    # Each wall bulges: the cluster opens at the corners.
+    # Each wall rises: the cluster opens at the corners.
     gap = state.contact.kinematics.gaps(touching.positions(state.displacement))
     assert gap.max() > 1e-3

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ngcell.simulation import Simulation
+from ngcell.build.simulation import Simulation
 from tests.prisms import SOFT, case, last_step
 
 HEIGHT = 0.5
@@ -24,7 +24,7 @@ def stack(layers, displacement, *, height=HEIGHT, slices=1, cells=1, tissue=None
 
 
 def steps(scene):
-    return {step.record.phase: step for step in Simulation(scene).walk()}
+    return {step.record.phase: step for step in Simulation(scene).accepted_steps()}
 
 
 @pytest.mark.parametrize(
@@ -34,12 +34,12 @@ def test_two_layers_pressed_bear_what_a_prism_of_twice_the_height_bears(lumen, o
     """Between them, where by symmetry nothing slides, is a plane of symmetry of the tall prism."""
     tall = steps(stack(1, (0, 0, -0.05), height=2 * HEIGHT, slices=2, lumen=lumen, order=order))["contact"]
     found = steps(stack(2, (0, 0, -0.05), lumen=lumen, order=order))
-    assert found["compact"].record.energy == pytest.approx(tall.record.energy, rel=1e-9)
-    assert found["compact"].record.plate_force_z == pytest.approx(tall.record.plate_force_z, rel=1e-9)
+    assert found["tied"].record.energy == pytest.approx(tall.record.energy, rel=1e-9)
+    assert found["tied"].record.plate_force_z == pytest.approx(tall.record.plate_force_z, rel=1e-9)
     step = found["contact"]
     assert step.record.certified
     assert step.record.parted_pairs == 0
-    # Springs between the layers give way by a length that is that of gaps, in proportion to the shortening.
+    # Penalty terms between the layers give way by a length that is that of gaps, in proportion to the shortening.
     for name in ("energy", "plate_force_z", "contact_force"):
         meant = getattr(tall.record, name) if name != "contact_force" else -tall.record.plate_force_z
         assert getattr(step.record, name) == pytest.approx(meant, rel=2 * -step.record.smallest_gap / 0.05), name
@@ -52,32 +52,32 @@ def test_two_layers_pressed_bear_what_a_prism_of_twice_the_height_bears(lumen, o
 @pytest.mark.parametrize("tissue", [{}, CLOSED], ids=["hollow", "closed"])
 def test_two_layers_pulled_part_and_bear_nothing(tissue):
     found = steps(stack(2, (0, 0, 0.1), tissue=tissue))
-    assert found["compact"].record.plate_force_z > 0.5
+    assert found["tied"].record.plate_force_z > 0.5
     step = found["contact"]
     assert step.record.certified
     assert step.record.energy < 1e-12
     assert abs(step.record.plate_force_z) < 1e-8
     (row,) = step.walls
     assert row.parted and row.mean_gap == pytest.approx(0.1, rel=1e-6)
-    assert [cell.clump for cell in step.cells] == [0, 1]
+    assert [cell.component for cell in step.cells] == [0, 1]
 
 
 def test_layers_slide_on_each_other():
     """Without friction a sheared stack has next to nothing to hold against, and corners do not sink in."""
     found = steps(stack(2, (0.2, 0, -0.01), tissue=CLOSED))
-    assert found["compact"].record.plate_force_x > 0.1
+    assert found["tied"].record.plate_force_x > 0.1
     step = found["contact"]
     assert step.record.certified
-    assert abs(step.record.plate_force_x) < 0.02 * found["compact"].record.plate_force_x
+    assert abs(step.record.plate_force_x) < 0.02 * found["tied"].record.plate_force_x
     assert step.record.contact_force == pytest.approx(-step.record.plate_force_z, rel=0.01)
 
 
 def test_moving_the_whole_stack_moves_the_answer():
     simulation = Simulation(stack(2, (0, 0, -0.05), tissue=CLOSED, cells=2))
     assembly, space = simulation.released, simulation.space
-    shift = np.array([0.3, -2.0, 5.0])
+    translation = np.array([0.3, -2.0, 5.0])
     at = space.affine(np.diag([0.01, -0.02, -0.04]), np.zeros(3)).ravel()
-    there = at + space.affine(np.zeros((3, 3)), shift).ravel()
+    there = at + space.affine(np.zeros((3, 3)), translation).ravel()
     one, two = assembly.at(at), assembly.at(there)
     assert two.energy == pytest.approx(one.energy, rel=1e-9)
     np.testing.assert_allclose(assembly.gradient(two), assembly.gradient(one), atol=1e-9 * np.abs(one.energy))

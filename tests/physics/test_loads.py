@@ -36,7 +36,7 @@ def tube(kappa: float, *, whole: bool, levels=(0.5, 1.0), order: int = 3) -> Bod
 
 
 def last(scene: BodyScene) -> Equilibrium:
-    *_, final = Rig(scene).walk()
+    *_, final = Rig(scene).accepted_steps()
     return final
 
 

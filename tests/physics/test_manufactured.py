@@ -8,8 +8,8 @@ import ngsolve
 import numpy as np
 import pytest
 
+from ngcell.build.simulation import Simulation
 from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
-from ngcell.simulation import Simulation
 from tools.manufactured import C1, C2, END, KAPPA, PROBLEMS, Exact, errors, first_piola, scene
 
 

@@ -6,13 +6,13 @@ from functools import cache
 
 import numpy as np
 import pytest
+from ngcell.build.checkpoint import Checkpoint
 
 import ngcell
-from ngcell.contact import choice
-from ngcell.observation import Step
+from ngcell.build.observation import Step
+from ngcell.build.simulation import Simulation
+from ngcell.contact.methods import stages
 from ngcell.results.forces import body_resultants, contact_forces
-from ngcell.simulation import Simulation
-from ngcell.standing import Standing
 
 
 def case(strategy: str = "sddp", contact: str = "mortar", displacement: float = 0.5) -> ngcell.Case:
@@ -28,7 +28,7 @@ def case(strategy: str = "sddp", contact: str = "mortar", displacement: float = 
 @cache
 def solved(strategy: str = "sddp", contact: str = "mortar", displacement: float = 0.5) -> tuple[Simulation, Step]:
     simulation = Simulation(case(strategy, contact, displacement))
-    *_, final = simulation.walk()
+    *_, final = simulation.accepted_steps()
     return simulation, final
 
 
@@ -55,21 +55,21 @@ def test_energy_and_forces_are_those_of_a_penalty_up_to_its_overlaps():
 
 
 @pytest.mark.parametrize("multiple", [0.1, 10.0])
-def test_the_stiffness_of_the_springs_leaves_no_trace(multiple, monkeypatch):
+def test_the_stiffness_of_the_penalty_terms_leaves_no_trace(multiple, monkeypatch):
     _, usual = solved()
-    monkeypatch.setattr(choice, "MORTAR_MULTIPLE", multiple * choice.MORTAR_MULTIPLE)
-    *_, other = Simulation(case()).walk()
+    monkeypatch.setattr(stages, "MORTAR_MULTIPLE", multiple * stages.MORTAR_MULTIPLE)
+    *_, other = Simulation(case()).accepted_steps()
     assert other.record.energy == pytest.approx(usual.record.energy, rel=1e-7)
 
 
 @pytest.mark.parametrize("contact", ["mortar", "penalty"])
 @pytest.mark.parametrize("cut", [1, 2])
 def test_k6_the_plates_pull_as_hard_as_walls_press_across_a_cut(contact, cut):
-    """The cut runs between two rows, through contact only; the little that the last tether holds is counted apart."""
+    """The cut runs between two rows, through contact only; the little that the last proximal term holds is counted apart."""
     simulation = Simulation(case(contact=contact))
-    *_, accepted = simulation._accepted(Standing())
-    assembly, state, tether = simulation.released, accepted.minimum.state, accepted.minimum.tether
-    pull = tether.strength * (assembly.mass @ (tether.anchor - state.displacement))
+    *_, accepted = simulation._accepted(Checkpoint())
+    assembly, state, proximal = simulation.released, accepted.minimum.state, accepted.minimum.proximal
+    pull = proximal.strength * (assembly.mass @ (proximal.centre - state.displacement))
     support = assembly.reactions(assembly.gradient(state) - pull)
     above = np.arange(9) // 3 >= cut
     forces = contact_forces(assembly, state)

@@ -22,7 +22,7 @@ def pulled(radius: float, kappa: float, levels: int = 4, order: int = 3) -> list
         order=order,
         levels=levels,
     )
-    return list(Rig(scene).walk())
+    return list(Rig(scene).accepted_steps())
 
 
 def gap_between(state: Equilibrium) -> float:

@@ -1,7 +1,7 @@
 """K1 with meshes that do not match: the patch test of the mortar method.
 
 Blocks that may widen freely stand flush at their right ends: only the walls between them may touch, for a corner that
-slides past a corner leaves a kink in the energy, in which Newton's method chatters. Blocks between slippery walls are
+slides past a corner leaves a kink in the energy, in which Newton's method cycles. Blocks between slippery walls are
 kept from widening.
 """
 
@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from netgen import occ
 
-from ngcell.contact import choice
+from ngcell.contact.methods import stages
 from ngcell.scene import Mortar
 from ngcell.scene.bodies import Body, BodyScene, BodySupport
 from tests.physics.rig import Equilibrium, Rig, rubber
@@ -38,7 +38,7 @@ def pressed(stretch: float, sizes: tuple[float, float], order: int, *, confined:
         [Body(block(0, sizes[0]), material, "lower"), Body(block(1, sizes[1]), material, "upper")],
         [
             BodySupport("floor", components=(False, True)),
-            BodySupport("ceiling", shift=(0.0, 2 * (stretch - 1)), components=(False, True)),
+            BodySupport("ceiling", translation=(0.0, 2 * (stretch - 1)), components=(False, True)),
             *(BodySupport(name, components=(True, False)) for name in sides),
         ],
         size=max(sizes),
@@ -46,12 +46,12 @@ def pressed(stretch: float, sizes: tuple[float, float], order: int, *, confined:
         levels=2 if confined else 1,
         contact=Mortar(),
     )
-    *_, final = Rig(scene, walls="lower-top|upper-bottom").walk()
+    *_, final = Rig(scene, walls="lower-top|upper-bottom").accepted_steps()
     return final
 
 
 def multipliers(state: Equilibrium) -> np.ndarray:
-    """Pressures of the functions that are pressed, and those of watched points that press."""
+    """Pressures of the functions that are pressed, and those of point constraints that press."""
     contact = state.accepted.minimum.state.contact
     pressure = contact.pressures(state.positions)
     along = contact.rows < state.rig.assembly.contact.space.size
@@ -82,7 +82,7 @@ def test_k1_blocks_with_free_sides_press_uniformly(order, stretch, sizes):
 
 
 @pytest.mark.parametrize("multiple", [10.0, 100.0])
-def test_the_stiffness_of_the_springs_leaves_no_trace(multiple, monkeypatch):
-    monkeypatch.setattr(choice, "MORTAR_MULTIPLE", multiple)
+def test_the_stiffness_of_the_penalty_terms_leaves_no_trace(multiple, monkeypatch):
+    monkeypatch.setattr(stages, "MORTAR_MULTIPLE", multiple)
     exact = -RadialSolid(0.8, 0.2, SPONGE).slopes(1.0, 0.8)[1]
     assert_uniform(pressed(0.8, (0.4, 0.27), 2, confined=True), exact)

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from ngcell.build.simulation import Simulation
 from ngcell.mechanics.loading import end_loads
 from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.supports import PrescribedMotion
-from ngcell.simulation import Simulation
 from tests.prisms import case, last_step
 
 C1, C2, KAPPA = 1.0, 1.0, 100.0
@@ -32,17 +32,17 @@ def nominal_stress(along: float, across: float) -> tuple[float, float]:
 @pytest.mark.parametrize("along", [0.8, 1.3])
 @pytest.mark.parametrize("layers", [1, 2])
 def test_a_cell_between_pressed_ends_is_in_balance_at_the_stretch_of_the_closed_form(along, layers):
-    """Hollow cells with free sides are in uniaxial stress; the pressure is for each area at rest."""
+    """Hollow cells with free sides are in uniaxial stress; the pressure is per reference area."""
     across = brentq(lambda width: nominal_stress(along, width)[1], 0.5, 2.0, xtol=1e-15, rtol=1e-14)
     pressure = -nominal_stress(along, across)[0]
     scene = case(0.5, tissue=ONE | {"layers": layers}, mesh=MESH)
     load = scene.load.model_copy(update={"ends": "pressed", "end_pressure": pressure})
     simulation = Simulation(scene)
     space = simulation.space
-    pushed = BoundaryLoads(space, end_loads(load), PrescribedMotion(space, []))
-    pushed.apply(1.0)
+    applied = BoundaryLoads(space, end_loads(load), PrescribedMotion(space, []))
+    applied.apply(1.0)
     at = space.affine(np.diag([across, across, along]) - np.eye(3), np.zeros(3)).ravel()
-    force = pushed.gradient(at)
+    force = applied.gradient(at)
     if layers == 1:
         rest = simulation.bulk.gradient(at) + force
         np.testing.assert_allclose(rest, 0, atol=1e-10 * np.abs(force).max())
@@ -55,22 +55,22 @@ def test_a_cell_between_pressed_ends_is_in_balance_at_the_stretch_of_the_closed_
 
 
 def test_pressed_ends_and_moved_plates_obey_the_theorem_of_betti():
-    """Small loads do no net work on each other: the force that pressed ends put on the plates times the shift of a
+    """Small loads do no net work on each other: the force that pressed ends put on the plates times the translation of a
     plate is what the pressure does on the ends as that plate moves."""
     small = 1e-6
     pressed = last_step(case(0.5, tissue=ONE, mesh=MESH, load=STILL | {"ends": "pressed", "end_pressure": small}))
     scene = case(0.5, tissue=ONE, mesh=MESH, load=STILL | {"displacement": (0.0, small)})
     simulation = Simulation(scene)
-    moved = list(simulation.walk())[-1]
+    moved = list(simulation.accepted_steps())[-1]
     assert pressed.record.certified
     assert moved.record.certified
-    pushed = BoundaryLoads(
+    applied = BoundaryLoads(
         simulation.space,
         end_loads(scene.load.model_copy(update={"ends": "pressed", "end_pressure": small})),
         simulation.motion,
     )
-    pushed.apply(1.0)
-    work = -pushed.potential(moved.displacement)
+    applied.apply(1.0)
+    work = -applied.potential(moved.displacement)
     assert work > 0
     assert pressed.record.plate_force_y * small == pytest.approx(-work, rel=1e-4)
 
@@ -80,8 +80,8 @@ def test_stored_energy_is_the_work_of_the_pressure():
     pressure, tissue = 1e-5, ONE | {"layers": 2}
     load = STILL | {"ends": "pressed", "end_pressure": pressure, "levels": 1}
     simulation = Simulation(case(0.5, tissue=tissue, mesh=MESH, load=load))
-    step = list(simulation.walk())[-1]
+    step = list(simulation.accepted_steps())[-1]
     assert step.record.certified
-    potential = simulation.blueprint.loads.potential(step.displacement, 1.0)
+    potential = simulation.discretisation.loads.potential(step.displacement, 1.0)
     assert potential < 0
     assert step.record.energy == pytest.approx(-potential / 2, rel=1e-3)

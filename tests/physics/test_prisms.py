@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.distance import pdist
 from scipy.spatial.transform import Rotation
 
-from ngcell.simulation import Simulation
+from ngcell.build.simulation import Simulation
 from tests.prisms import MATERIAL, SOFT, case, last_step
 
 HEIGHT = 0.4
@@ -57,17 +57,17 @@ def test_a_closed_cell_under_pressure_is_twisted():
         load={"kind": "ends", "twist": 20.0, "levels": 1},
     )
     simulation = Simulation(scene)
-    step = list(simulation.walk())[-1]
+    step = list(simulation.accepted_steps())[-1]
     assert step.record.certified
     across = step.measurement.plate_force[:2]
     assert across == pytest.approx(0, abs=1e-9)
     grid = step.snapshot.bulk
-    front = grid.points[:, 2] > 1 - 1e-9
-    turned = Rotation.from_euler("z", 20, degrees=True).apply(grid.points[front])
-    np.testing.assert_allclose(grid.points[front] + grid.point_data["displacement"][front], turned, atol=1e-12)
+    upper_end = grid.points[:, 2] > 1 - 1e-9
+    turned = Rotation.from_euler("z", 20, degrees=True).apply(grid.points[upper_end])
+    np.testing.assert_allclose(grid.points[upper_end] + grid.point_data["displacement"][upper_end], turned, atol=1e-12)
     force = step.measurement.reaction.reshape(3, -1)
     place = simulation.space.rest + step.displacement.reshape(3, -1)
-    at = simulation.space.region_unknowns("front")
+    at = simulation.space.region_unknowns("upper-end")
     torque = (place[0] * force[1] - place[1] * force[0])[at].sum()
     # Work of the torque, which grows in proportion to the angle, against the energy that the twist stores.
     untwisted = scene.model_copy(update={"load": scene.load.model_copy(update={"twist": 0.0})})
@@ -76,7 +76,7 @@ def test_a_closed_cell_under_pressure_is_twisted():
 
 
 def test_ends_that_tilt_bend_the_axis_to_an_arc_of_its_own_length():
-    """The carried field is that of a beam: sections stay plane and across the axis, which keeps its length."""
+    """The lifting is that of a beam: sections stay plane and across the axis, which keeps its length."""
     angle, height = np.radians(40), 3.0
     scene = case(
         height,
@@ -88,7 +88,7 @@ def test_ends_that_tilt_bend_the_axis_to_an_arc_of_its_own_length():
     space = simulation.space
     vertex = space.one > 0
     rest = space.rest[:, vertex]
-    moved = rest + simulation.motion.carried(1.0).reshape(3, -1)[:, vertex]
+    moved = rest + simulation.motion.lifting(1.0).reshape(3, -1)[:, vertex]
     share = rest[2] / height
     centre = np.array([moved[:, rest[2] == level].mean(1) for level in np.unique(rest[2])])
     straight = centre - np.linspace(0, 1, 5)[:, None] * [0.1, 0.2, 0.3]
@@ -99,12 +99,12 @@ def test_ends_that_tilt_bend_the_axis_to_an_arc_of_its_own_length():
     along = np.array([np.sin(angle * share), np.zeros_like(share), np.cos(angle * share)])
     section = moved - centre[np.searchsorted(np.unique(rest[2]), rest[2])].T
     np.testing.assert_allclose((section * along).sum(0), 0, atol=1e-12)
-    front = share == 1
-    turned = Rotation.from_euler("zy", [30, 40], degrees=True).apply((rest[:, front] - [[0], [0], [height]]).T)
-    axis = rest[:, front].mean(1) - [0, 0, height]
+    upper_end = share == 1
+    turned = Rotation.from_euler("zy", [30, 40], degrees=True).apply((rest[:, upper_end] - [[0], [0], [height]]).T)
+    axis = rest[:, upper_end].mean(1) - [0, 0, height]
     expected = turned - Rotation.from_euler("zy", [30, 40], degrees=True).apply(axis) + centre[-1]
-    np.testing.assert_allclose(moved[:, front].T, expected, atol=1e-12)
-    assert np.isfinite(simulation.bulk.energy(simulation.motion.carried(1.0)))
+    np.testing.assert_allclose(moved[:, upper_end].T, expected, atol=1e-12)
+    assert np.isfinite(simulation.bulk.energy(simulation.motion.lifting(1.0)))
 
 
 @pytest.mark.parametrize("turned", [{"twist": 90.0}, {"bend": 120.0}, {"twist": -40.0, "bend": 60.0}])
@@ -113,15 +113,15 @@ def test_a_front_that_turns_keeps_its_size_on_the_way(turned):
     tissue = {"rows": 1, "cols": 1, "wall": 0.1, "height": 3.0}
     simulation = Simulation(case(3.0, tissue=tissue, load={"kind": "ends", "levels": 1} | turned))
     space, motion = simulation.space, simulation.motion
-    front = np.flatnonzero((space.one > 0) & (space.rest[2] == 3.0))
+    upper_end = np.flatnonzero((space.one > 0) & (space.rest[2] == 3.0))
     half, whole = (
-        space.rest[:, front] + motion.imposed(np.zeros(space.unknowns), factor).reshape(3, -1)[:, front]
+        space.rest[:, upper_end] + motion.imposed(np.zeros(space.unknowns), factor).reshape(3, -1)[:, upper_end]
         for factor in (0.5, 1.0)
     )
     for moved in (half, whole):
-        np.testing.assert_allclose(pdist(moved.T), pdist(space.rest[:, front].T), rtol=1e-12)
+        np.testing.assert_allclose(pdist(moved.T), pdist(space.rest[:, upper_end].T), rtol=1e-12)
     tilt, twist = (np.radians(turned.get(name, 0.0)) for name in ("bend", "twist"))
-    across = space.rest[:2, front] - space.rest[:2, front].mean(1)[:, None]
+    across = space.rest[:2, upper_end] - space.rest[:2, upper_end].mean(1)[:, None]
     for share, moved in ((0.5, half), (1.0, whole)):
         expected = Rotation.from_euler("zy", [share * twist, share * tilt]).apply(np.vstack([across, 0 * across[:1]]).T)
         np.testing.assert_allclose(moved.T - moved.mean(1), expected, atol=1e-12)

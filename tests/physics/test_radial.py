@@ -60,9 +60,7 @@ def incompressible_closing(pressure: float) -> tuple[float, float, float]:
     return bore, radius, outer_drop(radius)
 
 
-@pytest.mark.parametrize(
-    ("bore", "radius", "pressure"), [(0.9, 0.984461, 0.104605), (0.8, 0.969712, 0.230555)]
-)
+@pytest.mark.parametrize(("bore", "radius", "pressure"), [(0.9, 0.984461, 0.104605), (0.8, 0.969712, 0.230555)])
 def test_press_fit_of_stiff_rings_is_that_of_incompressible_ones(bore, radius, pressure):
     closed_form = incompressible_fit(bore, 1.5)
     assert closed_form == pytest.approx((radius, pressure), abs=6e-7)
@@ -73,9 +71,7 @@ def test_press_fit_of_stiff_rings_is_that_of_incompressible_ones(bore, radius, p
     assert state.inside.inner == pytest.approx(sqrt(radius**2 - 1 + 0.25), abs=LEFT)
 
 
-@pytest.mark.parametrize(
-    ("bore", "radius", "pressure"), [(0.9, 0.984409, 0.104506), (0.8, 0.969601, 0.230343)]
-)
+@pytest.mark.parametrize(("bore", "radius", "pressure"), [(0.9, 0.984409, 0.104506), (0.8, 0.969601, 0.230343)])
 def test_press_fit_at_a_finite_bulk_modulus(bore, radius, pressure):
     state = press_fit(ring(SOFT, 0.5, 1.0), ring(SOFT, bore, 1.5))
     assert (state.inside.outer, state.contact_pressure) == pytest.approx((radius, pressure), abs=6e-7)
@@ -87,9 +83,7 @@ def test_press_fit_of_rings_of_two_materials():
     assert (state.inside.outer, state.contact_pressure) == pytest.approx(incompressible_fit(0.9, 1.5, 3.0), abs=LEFT)
 
 
-@pytest.mark.parametrize(
-    ("rim", "incompressible", "finite"), [(1.6, 0.144552, 0.144409), (2.0, 0.658312, 0.657930)]
-)
+@pytest.mark.parametrize(("rim", "incompressible", "finite"), [(1.6, 0.144552, 0.144409), (2.0, 0.658312, 0.657930)])
 def test_gap_of_rings_that_are_pulled_apart(rim, incompressible, finite):
     assert sqrt(1 + rim**2 - 1.5**2) - 1 == pytest.approx(incompressible, abs=6e-7)
     for solid, gap, error in ((STIFF, incompressible, LEFT), (SOFT, finite, 6e-7)):

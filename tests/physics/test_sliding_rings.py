@@ -1,4 +1,4 @@
-"""A ring is carried past another one: curved walls with meshes that do not match, pressed and sliding."""
+"""A ring is held past another one: curved walls with meshes that do not match, pressed and sliding."""
 
 from __future__ import annotations
 
@@ -14,26 +14,26 @@ LEVELS = (0.15, 0.3, 0.5, 0.7, 0.85)
 
 @pytest.fixture(scope="module")
 def passage() -> list[Equilibrium]:
-    """Both bores are held; one is carried from one side of the other, along it, to its other side."""
-    carried = ring(0.3, 0.5, (-0.43, 0.9)).faces[0]
-    carried.maxh = 0.08
+    """Both bores are held; one is held from one side of the other, along it, to its other side."""
+    lifting = ring(0.3, 0.5, (-0.43, 0.9)).faces[0]
+    lifting.maxh = 0.08
     scene = BodyScene(
-        [Body(ring(0.3, 0.5), rubber(100.0), "still"), Body(carried, rubber(100.0), "carried")],
-        [BodySupport("still_hole0"), BodySupport("carried_hole0", shift=(0.86, 0.0))],
+        [Body(ring(0.3, 0.5), rubber(100.0), "still"), Body(lifting, rubber(100.0), "held")],
+        [BodySupport("still_hole0"), BodySupport("carried_hole0", translation=(0.86, 0.0))],
         size=0.1,
         levels=LEVELS,
     )
-    return list(Rig(scene).walk())
+    return list(Rig(scene).accepted_steps())
 
 
 def test_reactions_balance_the_contact_forces(passage):
     assert tuple(state.load_factor for state in passage) == LEVELS
     for state in passage:
-        on_still, on_carried = state.contact_forces.on_body
+        on_still, on_lifting = state.contact_forces.on_body
         size = np.linalg.norm(on_still)
-        assert np.linalg.norm(on_still + on_carried) < 1e-12 * size
+        assert np.linalg.norm(on_still + on_lifting) < 1e-12 * size
         assert np.linalg.norm(state.force("still_hole0") + on_still) < 1e-6 * size
-        assert np.linalg.norm(state.force("carried_hole0") + on_carried) < 1e-6 * size
+        assert np.linalg.norm(state.force("carried_hole0") + on_lifting) < 1e-6 * size
 
 
 def test_walls_overlap_by_no_more_than_the_penalty_lets_them(passage):
@@ -43,8 +43,8 @@ def test_walls_overlap_by_no_more_than_the_penalty_lets_them(passage):
         contact, walls = state.accepted.minimum.state.contact, state.rig.assembly.contact.walls
         gap, _ = state.contact_points()
         closed = gap < 0
-        length = contact.kinematics.partners.weight[closed].sum() / 2
-        stiffness = (2 * contact.stiffness / contact.kinematics.partners.weight)[closed].min()
+        length = contact.kinematics.pairs.weight[closed].sum() / 2
+        stiffness = (2 * contact.stiffness / contact.kinematics.pairs.weight)[closed].min()
         mean_pressure = np.linalg.norm(state.contact_forces.on_body[0]) / length
         assert -gap.min() < 2.5 * mean_pressure / stiffness
         assert deepest_overlap(walls, walls.nodes(state.positions)) == pytest.approx(-gap.min(), rel=0.1, abs=sagitta)
@@ -61,10 +61,10 @@ def test_without_friction_the_way_out_mirrors_the_way_in(passage):
 def test_energy_does_not_jump_where_points_slide_from_edge_to_edge(passage):
     """Rigid sliding in small steps: with half the step, the largest change is about half as large."""
     rig = passage[0].rig
-    carried = rig.space.one * (rig.space.body_of_unknown == 1)
+    lifting = rig.space.one * (rig.space.body_of_unknown == 1)
 
     def energy(along: float) -> float:
-        moved = np.array([0.4 + along, 0.08])[:, None] * carried
+        moved = np.array([0.4 + along, 0.08])[:, None] * lifting
         return rig.assembly.at(moved.ravel()).energy
 
     energies = np.array([energy(along) for along in np.linspace(0.0, 0.1, 401)])

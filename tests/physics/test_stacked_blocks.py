@@ -42,7 +42,7 @@ def compressed(stretch: float) -> Compressed:
     return Compressed(-SOLID.slopes(lateral, stretch)[1], lateral)
 
 
-def compressed_on_springs(stretch: float, stiffness: float) -> Compressed:
+def compressed_on_penalties(stretch: float, stiffness: float) -> Compressed:
     """Two blocks of height 1 together, with an overlap of pressure / stiffness between them."""
 
     def excess(own: float) -> float:
@@ -68,20 +68,20 @@ def pressed(stretch: float, walls: str | None = None) -> Equilibrium:
         [Body(block(0.0), material, "lower"), Body(block(0.5), material, "upper")],
         [
             BodySupport("floor", components=(False, True)),
-            BodySupport("ceiling", shift=(0.0, stretch - 1), components=(False, True)),
+            BodySupport("ceiling", translation=(0.0, stretch - 1), components=(False, True)),
             BodySupport("symmetry", components=(True, False)),
         ],
         size=0.125,
         levels=(0.5, 1.0),
     )
-    *_, final = Rig(scene, walls).walk()
+    *_, final = Rig(scene, walls).accepted_steps()
     return final
 
 
 def stiffness_of(state: Equilibrium) -> float:
     """Penalty stiffness for each reference length: the same all along the matching walls."""
     contact = state.accepted.minimum.state.contact
-    both_passes = 2 * contact.stiffness / contact.kinematics.partners.weight
+    both_passes = 2 * contact.stiffness / contact.kinematics.pairs.weight
     assert np.ptp(both_passes) < 1e-9 * both_passes.mean()
     return float(both_passes.mean())
 
@@ -95,7 +95,7 @@ def test_closed_form_has_the_listed_pressure(stretch, incompressible):
 @pytest.mark.parametrize("stretch", [0.9, 0.8])
 def test_pressure_is_exact_and_uniform_where_only_the_facing_walls_may_touch(stretch):
     state = pressed(stretch, walls="lower-top|upper-bottom")
-    exact = compressed_on_springs(stretch, stiffness_of(state))
+    exact = compressed_on_penalties(stretch, stiffness_of(state))
     gap, pressure = state.contact_points()
     assert np.ptp(pressure) < 1e-7 * pressure.mean()
     assert pressure.mean() == pytest.approx(exact.nominal_pressure, rel=1e-7)
@@ -108,7 +108,7 @@ def test_pressure_is_right_where_flush_corners_may_touch_sideways(stretch, incom
     """Corners that stand flush also lie on each other's sides: a quadrature weight there goes missing."""
     state = pressed(stretch)
     stiffness = stiffness_of(state)
-    exact = compressed_on_springs(stretch, stiffness)
+    exact = compressed_on_penalties(stretch, stiffness)
     assert -state.force("ceiling")[1] == pytest.approx(exact.nominal_pressure, rel=3e-3)
     _, pressure = state.contact_points()
     inside = state.is_contact_point_in(low=(0.25, 0.45), high=(0.75, 0.55))

@@ -56,15 +56,15 @@ def test_t3_no_step_stores_more_than_the_supports_put_in():
     assert work > 0
 
 
-def test_t3_the_work_on_the_compact_solid_is_its_energy():
+def test_t3_the_work_on_the_tied_solid_is_its_energy():
     sets = [*BASE, "load.levels=[1.0]", "strategy.steps=16"]
     steps = ngcell.simulate(ngcell.read_case("shear-empty-3x3", sets))
-    compact = [step.measurement for step in steps if step.record.phase == "compact"]
-    load = np.array([0.0, *(one.load_factor for one in compact)])
-    rate = np.array([0.0, *(one.support_work_rate for one in compact)])
+    tied = [step.measurement for step in steps if step.record.phase == "tied"]
+    load = np.array([0.0, *(one.load_factor for one in tied)])
+    rate = np.array([0.0, *(one.support_work_rate for one in tied)])
     # Fourth-order differences: the trapezoidal error of 16 steps is removed by extrapolation from 8.
     fine, coarse = np.trapezoid(rate, load), np.trapezoid(rate[::2], load[::2])
-    assert (4 * fine - coarse) / 3 == pytest.approx(compact[-1].energy, rel=1e-5)
+    assert (4 * fine - coarse) / 3 == pytest.approx(tied[-1].energy, rel=1e-5)
 
 
 def test_a_turned_frame_leaves_no_stress_and_no_gap():
@@ -75,4 +75,3 @@ def test_a_turned_frame_leaves_no_stress_and_no_gap():
     assert step.record.energy < 1e-16
     assert abs(step.record.largest_gap) < 1e-9 and abs(step.record.smallest_gap) < 1e-9
     assert step.record.contact_force < 1e-9
-

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ngcell.simulation import Simulation
+from ngcell.build.simulation import Simulation
 from tests.prisms import case, last_step
 
 TISSUE = {"rows": 1, "cols": 1, "wall": 0.2, "height": 0.8, "end_wall": 0.1}
@@ -21,9 +21,9 @@ def test_a_fluid_keeps_its_volume_and_does_what_its_pressure_does(fill, load):
     parts = {"tissue": TISSUE, "mesh": MESH, "load": {"kind": "ends", "levels": 1} | load}
     scene = case(0.8, lumen={"kind": "fluid", "fill": fill}, **parts)
     simulation = Simulation(scene)
-    full = list(simulation.walk())[-1]
+    full = list(simulation.accepted_steps())[-1]
     assert full.record.certified
-    fluid = simulation.blueprint.fluid
+    fluid = simulation.discretisation.fluid
     np.testing.assert_allclose(fluid.areas(full.displacement), fill * fluid.area, rtol=1e-8)
     (pressure,) = (cell.pressure for cell in full.cells)
     assert pressure > 0.05

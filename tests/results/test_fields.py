@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 from netgen import meshing, occ
 
-from ngcell.contact.assembly import Assembly
-from ngcell.contact.tie import tie_walls
-from ngcell.contact.walls import find_walls
+from ngcell.contact.surface.walls import find_walls
 from ngcell.errors import GeometryError
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.lattice import hexagonal_lattice
@@ -17,6 +15,8 @@ from ngcell.geometry.rings import ring_mesh
 from ngcell.mechanics.bulk import BulkEnergy
 from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
 from ngcell.mechanics.space import DisplacementSpace
+from ngcell.problem.assembly import Assembly
+from ngcell.problem.tie import tie_walls
 from ngcell.results.fields import jacobian_range, take_snapshot
 from ngcell.results.snapshot import Snapshot
 
@@ -119,10 +119,10 @@ def test_a_uniform_deformation_has_its_jacobian_and_stress_everywhere(assembly):
 
 
 def test_an_affine_displacement_is_exact_at_the_points(assembly):
-    shift = np.array([0.3, -0.2])
-    taken = snapshot(assembly, assembly.space.affine(STRETCHED - np.eye(2), shift))
+    translation = np.array([0.3, -0.2])
+    taken = snapshot(assembly, assembly.space.affine(STRETCHED - np.eye(2), translation))
     for grid in (taken.bulk, taken.walls):
-        expected = grid.points[:, :2] @ (STRETCHED - np.eye(2)).T + shift
+        expected = grid.points[:, :2] @ (STRETCHED - np.eye(2)).T + translation
         np.testing.assert_allclose(grid.point_data["displacement"][:, :2], expected, atol=1e-11)
         assert not grid.points[:, 2].any()
         assert not grid.point_data["displacement"][:, 2].any()
@@ -142,8 +142,8 @@ def test_middles_and_centres_stand_where_vtk_expects_them(assembly):
     count = CORNERS[bulk.cell_type]
     corner = bulk.points[bulk.cells[:, :count]]
     middle = (corner + np.roll(corner, -1, axis=1)) / 2
-    bulge = 1e-14 if bulk.cell_type == 28 else 0.1
-    np.testing.assert_allclose(bulk.points[bulk.cells[:, count : 2 * count]], middle, atol=bulge)
+    sagitta = 1e-14 if bulk.cell_type == 28 else 0.1
+    np.testing.assert_allclose(bulk.points[bulk.cells[:, count : 2 * count]], middle, atol=sagitta)
     for centre in bulk.points[bulk.cells[:, 2 * count :]].transpose(1, 0, 2):
         np.testing.assert_allclose(centre, corner.mean(1), atol=1e-14)
 

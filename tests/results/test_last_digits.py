@@ -3,14 +3,14 @@
 import numpy as np
 
 from ngcell import read_case
+from ngcell.build.simulation import Simulation
 from ngcell.results.checks import _last_digits
-from ngcell.simulation import Simulation
 
 
 def share_of_last_digits() -> float:
     simulation = Simulation(read_case("shear-empty", ("tissue.rows=2", "tissue.cols=2")))
     assembly = simulation.released
-    # Pressed together by a hundredth, so that walls that touch are strained but closed springs act, too.
+    # Pressed together by a hundredth, so that walls that touch are strained but closed penalty terms act, too.
     place = -0.01 * simulation.space.rest * np.array([[1.0], [0.0]])
     state = assembly.at(place.ravel() + 1e-6 * np.sin(np.arange(place.size)))
     return float(np.linalg.norm(_last_digits(assembly, state)) / np.linalg.norm(assembly.gradient(state)))

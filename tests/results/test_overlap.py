@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 from netgen import occ
 
-from ngcell.contact.walls import Walls, find_walls
+from ngcell.contact.surface.walls import Walls, find_walls
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.lattice import Lattice, hexagonal_lattice
 from ngcell.geometry.rings import ring_mesh
 from ngcell.geometry.shapes import mesh_shapes
 from ngcell.mechanics.space import DisplacementSpace
-from ngcell.results import space_overlap
+from ngcell.results import solid_overlap
 from ngcell.results.overlap import deepest_overlap
-from ngcell.results.space_overlap import deepest_overlap_of_solids
+from ngcell.results.solid_overlap import deepest_overlap_of_solids
 
 ORDERS = (1, 2, 3, 4)
 APOTHEM = np.sqrt(3) / 2
@@ -49,8 +49,8 @@ def turned(nodes: np.ndarray, angle: float) -> np.ndarray:
     return nodes @ np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
 
 
-def moved(walls: Walls, body: int, shift: tuple[float, float]) -> np.ndarray:
-    return walls.rest + (walls.body == body)[:, None, None] * np.array(shift)
+def moved(walls: Walls, body: int, translation: tuple[float, float]) -> np.ndarray:
+    return walls.rest + (walls.body == body)[:, None, None] * np.array(translation)
 
 
 @pytest.mark.parametrize("order", ORDERS)
@@ -63,7 +63,7 @@ def test_a_turned_tissue_has_no_overlap(order, pointy, angle):
 
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("depth", [1e-6, 0.01, 0.3])
-def test_shifted_hexagons_overlap_by_the_shift(order, depth):
+def test_translated_hexagons_overlap_by_the_translation(order, depth):
     walls = tissue(hexagonal_lattice(1, 2, side=1.0, pointy=True), order)
     for angle in (0.0, 1.0):
         nodes = turned(moved(walls, 1, (-depth, 0)), angle)
@@ -151,11 +151,11 @@ def test_depths_in_curved_solids_are_those_of_their_surfaces(monkeypatch):
     bodies = mesh_shapes(balls, ["one", "two"], order=3, size=0.8)
     space = DisplacementSpace(bodies, 3)
     walls = find_walls(bodies, space.scalar, space.rest)
-    xi = np.concatenate([walls.stations, walls.basis.nodes])
+    xi = np.concatenate([walls.quadrature_points, walls.basis.nodes])
     point = walls.basis.values(xi) @ walls.nodes(space.rest)
     centre = np.where(walls.body == 0, 1.9, 0.0)[:, None, None] * [1.0, 0.0, 0.0]
     exact = 1 - np.linalg.norm(point - centre, axis=2).min()
     fine = deepest_overlap_of_solids(space, walls, space.rest)
-    monkeypatch.setattr(space_overlap, "_FINE_PIECES", space_overlap._PIECES)
+    monkeypatch.setattr(solid_overlap, "_FINE_PIECES", solid_overlap._PIECES)
     coarse = deepest_overlap_of_solids(space, walls, space.rest)
     assert abs(fine - exact) < 1e-3 < abs(coarse - exact)

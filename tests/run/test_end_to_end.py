@@ -110,9 +110,7 @@ def test_an_unusable_folder_is_told_before_anything_is_solved(tmp_path: Path):
         list(ngcell.record(ngcell.read_case("shear-empty"), blocked / "out"))
 
 
-def test_a_result_that_fails_a_check_is_labelled_everywhere(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
+def test_a_result_that_fails_a_check_is_labelled_everywhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     from ngcell.results import certificate
 
     monkeypatch.setitem(certificate.LIMITS, "penetration_over_wall", 1e-9)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ngcell.footprint import entry_count, foreseen_memory
+from ngcell.build.memory import entry_count, foreseen_memory
+from ngcell.build.simulation import Simulation
 from ngcell.run import inspect
-from ngcell.simulation import Simulation
 from ngcell.solve import minimise
 from tests.prisms import case
 
@@ -45,5 +45,5 @@ def test_a_tissue_of_63_000_unknowns_takes_what_was_measured():
 
 
 def test_the_same_solved_by_iterations_takes_what_was_measured():
-    """With a compact solid before: 4.4 million entries took 2.23 GiB."""
+    """With a tied solid before: 4.4 million entries took 2.23 GiB."""
     assert foreseen_memory(4_401_180, "iterative") == pytest.approx(2.23, rel=0.05)

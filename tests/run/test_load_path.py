@@ -36,6 +36,6 @@ def test_a_follower_pressure_is_taken_back():
     assert all(step.record.certified for step in steps)
     there, full, back, rest = (step.record for step in steps)
     assert full.contact_force > 0 == rest.contact_force
-    # The last tether, to what each step was foreseen to be, still holds a millionth.
+    # The last proximal term, to what each step was foreseen to be, still holds a millionth.
     assert back.energy == pytest.approx(there.energy, rel=1e-5)
     assert rest.energy <= 1e-12 * full.energy

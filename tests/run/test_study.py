@@ -11,7 +11,7 @@ from click.testing import CliRunner
 from tools.study import __main__ as study
 from tools.study import peers, rings
 from tools.study.grid import Setting, grid
-from tools.study.report import against_own_finest, choices, front, rates, sentences, strategy_table
+from tools.study.report import against_own_finest, choices, rates, sentences, strategy_table, upper_end
 from tools.study.solve import solved
 
 COARSE = Setting("rings", "press-fit", "mortar", 2, 0.25)
@@ -74,7 +74,7 @@ def line(size: float, seconds: float, error: float, method: str = "mortar", prob
 def test_rates_the_front_and_sentences_follow_from_errors_and_seconds():
     rows = [line(0.2, 1.0, 4e-2), line(0.1, 3.0, 1e-2), line(0.1, 9.0, 2e-2, "penalty")]
     assert [entry["rate"] for entry in rates(rows)] == ["2.0", "2.0", "", ""]
-    assert [entry["seconds"] for entry in front(choices(rows))] == [1.0, 3.0]
+    assert [entry["seconds"] for entry in upper_end(choices(rows))] == [1.0, 3.0]
     said = sentences(rows, [])
     assert "below 10.0% take 1 s, with mortar, order 2, h = 0.2" in said
     assert "below 1.0% take 3 s" in said

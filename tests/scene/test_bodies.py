@@ -22,7 +22,7 @@ def test_levels_and_steps():
 
 
 def test_moved_boundaries_are_those_that_a_support_moves():
-    scene = BodyScene([BODY], [BodySupport("floor"), BodySupport("top", shift=(0, 0.1)), BodySupport("top")])
+    scene = BodyScene([BODY], [BodySupport("floor"), BodySupport("top", translation=(0, 0.1)), BodySupport("top")])
     assert scene.moved_boundaries == ("top",)
     with pytest.raises(FrozenInstanceError):
         scene.order = 3
@@ -42,8 +42,11 @@ def test_loads_are_kept_in_order_and_there_are_none_by_default():
         (lambda: BodySupport("top|floor"), r"boundary of a support is 'top\|floor'; allowed: letters"),
         (lambda: BodySupport("top", gradient=(1, 2)), "support top: gradient is 1; allowed: two rows"),
         (lambda: BodySupport("top", gradient=((1, 2), (3, "4"))), r"support top: gradient is \(3, '4'\)"),
-        (lambda: BodySupport("top", shift=(0, float("nan"))), "support top: shift is .*; allowed: two finite"),
-        (lambda: BodySupport("top", shift=(0, 1, 2, 3)), r"support top: shift is \(0, 1, 2, 3\)"),
+        (
+            lambda: BodySupport("top", translation=(0, float("nan"))),
+            "support top: translation is .*; allowed: two finite",
+        ),
+        (lambda: BodySupport("top", translation=(0, 1, 2, 3)), r"support top: translation is \(0, 1, 2, 3\)"),
         (lambda: BodySupport("top", gradient=((1, 2), (1, 2, 3))), "support top: gradient is .*three of three"),
         (lambda: BodySupport("top", components=(False, False)), "support top: components is .*at least one"),
         (lambda: BodySupport("top", components=(1, 0)), "support top: components is"),

@@ -1,4 +1,4 @@
-"""Cases of drawn bodies: what they say, what they refuse, and that each mistake is one useful line."""
+"""Cases of user-defined bodies: what they say, what they refuse, and that each mistake is one useful line."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ components = "x"
 
 [[supports]]
 boundary = "slab_right"
-shift = [-0.1, 0.0]
+translation = [-0.1, 0.0]
 
 [[loads]]
 kind = "pressure"
@@ -109,11 +109,19 @@ WRONG: dict[str, tuple[tuple[str, str], int, str, str]] = {
         "is missing; allowed: a vector in the plane",
     ),
     "material without stiffness": (("c1 = 1.0", "c1 = 0"), 20, "bodies[1].material.c1 = 0", "a finite number > 0"),
-    "unknown material": (('[bodies.material]\nkind = "mooney-rivlin"', '[bodies.material]\nkind = "mooney"'), 19,
-                         'bodies[1].material.kind = "mooney"', "did you mean mooney-rivlin?"),
+    "unknown material": (
+        ('[bodies.material]\nkind = "mooney-rivlin"', '[bodies.material]\nkind = "mooney"'),
+        19,
+        'bodies[1].material.kind = "mooney"',
+        "did you mean mooney-rivlin?",
+    ),
     "support of nothing": (('"ring_x0"', '"ring_x"'), 25, 'supports[0].boundary = "ring_x"', "did you mean ring_x0?"),
-    "support of no component": (('components = "x"', 'components = "z"'), 26, 'supports[0].components = "z"',
-                                'one of "xy", "x", "y"'),
+    "support of no component": (
+        ('components = "x"', 'components = "z"'),
+        26,
+        'supports[0].components = "z"',
+        'one of "xy", "x", "y"',
+    ),
     "load of nothing": (('"ring_inner"', '"bore"'), 34, 'loads[0].boundary = "bore"', "allowed: ring_inner, ring"),
     "unknown load": (('"pressure"', '"presure"'), 33, 'loads[0].kind = "presure"', "did you mean pressure?"),
     "pressure not a number": (("value = 0.1", "value = nan"), 35, "loads[0].value = NaN", "a finite number"),
@@ -125,13 +133,25 @@ WRONG: dict[str, tuple[tuple[str, str], int, str, str]] = {
     "level twice": (("[0.5, 1.0]", "[1.0, 1.0]"), 2, "levels = [1.0, 1.0]", "each other than the one before"),
     "no steps": (("levels =", "steps = 0\nlevels ="), 2, "steps = 0", "a whole number >= 1"),
     "unmeasured quantity": (('"gap"', '"stress"'), 45, 'expected[0].quantity = "stress"', 'one of "mean_radius"'),
-    "quantity between two on one": (('between = ["ring_outer", "slab_left"]', 'boundary = "ring_outer"'), 45,
-                                    'expected[0].quantity = "gap"', "is measured between two boundaries"),
+    "quantity between two on one": (
+        ('between = ["ring_outer", "slab_left"]', 'boundary = "ring_outer"'),
+        45,
+        'expected[0].quantity = "gap"',
+        "is measured between two boundaries",
+    ),
     "between a cut": (('["ring_outer"', '["ring_x0"'), 46, 'expected[0].between[0] = "ring_x0"', "allowed: ring_inner"),
-    "force where nothing holds": (('"force_x"\nboundary = "slab_right"', '"force_x"\nboundary = "slab_left"'), 53,
-                                  'expected[1].boundary = "slab_left"', "allowed: ring_x0, slab_right"),
-    "radius of a straight side": (('"force_x"', '"mean_radius"'), 53, 'expected[1].boundary = "slab_right"',
-                                  "allowed: ring_inner, ring_outer"),
+    "force where nothing holds": (
+        ('"force_x"\nboundary = "slab_right"', '"force_x"\nboundary = "slab_left"'),
+        53,
+        'expected[1].boundary = "slab_left"',
+        "allowed: ring_x0, slab_right",
+    ),
+    "radius of a straight side": (
+        ('"force_x"', '"mean_radius"'),
+        53,
+        'expected[1].boundary = "slab_right"',
+        "allowed: ring_inner, ring_outer",
+    ),
     "unreported level": (("level = 0.5", "level = 0.7"), 54, "expected[1].level = 0.7", "one of the levels (0.5, 1)"),
     "no tolerance": (("tolerance = 1e-3", "tolerance = 0"), 48, "expected[0].tolerance = 0", "a finite number > 0"),
 }
@@ -168,7 +188,7 @@ def test_case_says_bodies_supports_loads_and_numbers(tmp_path: Path) -> None:
     assert slab.wall_boundaries == ("slab_left",)
     assert [support.resolved for support in case.supports] == [
         BodySupport("ring_x0", components=(True, False)),
-        BodySupport("slab_right", shift=(-0.1, 0.0)),
+        BodySupport("slab_right", translation=(-0.1, 0.0)),
     ]
     assert [load.resolved for load in case.loads] == [Pressure("ring_inner", 0.1)]
     assert case.contact == Mortar()

@@ -6,9 +6,9 @@ import pytest
 from netgen import occ
 
 from ngcell import read_case
+from ngcell.build.simulation import Simulation
 from ngcell.errors import CaseError
 from ngcell.scene import Body, BodyScene, Cohesion, MooneyRivlin, Mortar
-from ngcell.simulation import Simulation
 
 GOOD = ["cohesion.strength=0.05", "cohesion.energy=0.0015"]
 

@@ -212,9 +212,7 @@ def test_quantities_are_columns_of_the_history() -> None:
     assert set(schema()["$defs"]["Expected"]["properties"]["quantity"]["enum"]) <= columns
 
 
-def test_folder_of_a_shipped_name_does_not_hide_the_case(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_folder_of_a_shipped_name_does_not_hide_the_case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     os.mkdir("shear-empty")
     assert find_case("shear-empty") == shipped_cases()["shear-empty"]

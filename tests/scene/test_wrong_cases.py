@@ -13,9 +13,7 @@ from ngcell.errors import CaseError
 from ngcell.scene import read_case
 
 LOAD = 'kind = "plates"\ndisplacement = [0.1, 0.0]'
-EXPECTED = (
-    '[[expected]]\nlevel = 1.0\nquantity = "energy"\nvalue = 1.0\ntolerance = 0.01\norigin = "a second way"\n'
-)
+EXPECTED = '[[expected]]\nlevel = 1.0\nquantity = "energy"\nvalue = 1.0\ntolerance = 0.01\norigin = "a second way"\n'
 
 FIBRES = '[material.fibres]\nkind = "quadratic"\nstiffness = 1.0\nangles = [0.0]'
 

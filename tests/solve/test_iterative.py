@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from ngcell.simulation import Simulation
+from ngcell.build.simulation import Simulation
 from ngcell.solve import minimise
 from ngcell.solve.iterative import RESIDUAL, IterativeMatrix
 from ngcell.solve.linear import SymmetricMatrix
@@ -14,16 +14,16 @@ from tests.prisms import case
 
 
 class Bodies:
-    """Three bodies of twelve unknowns each: definite matrices of their own, springs between them, some held."""
+    """Three bodies of twelve unknowns each: definite matrices of their own, penalty terms between them, some held."""
 
-    def __init__(self, seed: int, shift: float = 1.0) -> None:
+    def __init__(self, seed: int, damping: float = 1.0) -> None:
         random = np.random.default_rng(seed)
         self.part = np.repeat([0, 1, 2], 12)
         mixed = random.standard_normal((36, 36)) * (self.part[:, None] == self.part)
-        self.own = mixed @ mixed.T + shift * np.eye(36)
+        self.own = mixed @ mixed.T + damping * np.eye(36)
         self.free = random.uniform(size=36) < 0.8
         self.jacobian = sparse.random_array((10, 36), density=0.2, rng=random, data_sampler=random.standard_normal)
-        self.spring = 10 * random.uniform(size=10)
+        self.penalty = 10 * random.uniform(size=10)
         self.curvature = sparse.random_array((36, 36), density=0.1, rng=random)
         self.curvature = ((self.curvature + self.curvature.T) * 0.01).tocoo()
         self.right = random.standard_normal(36)
@@ -32,7 +32,7 @@ class Bodies:
     @property
     def full(self) -> np.ndarray:
         jacobian = self.jacobian.toarray()
-        return self.own + self.curvature.toarray() + jacobian.T @ (self.spring[:, None] * jacobian)
+        return self.own + self.curvature.toarray() + jacobian.T @ (self.penalty[:, None] * jacobian)
 
     @property
     def solution(self) -> np.ndarray:
@@ -45,9 +45,9 @@ class Bodies:
         matrix = IterativeMatrix(36, self.free, rows, columns, self.part)
         values = np.zeros(matrix.entry_count)
         values[matrix.locate(self.rows, self.columns)] = self.own[self.rows, self.columns]
-        sprung = matrix.add_springs(matrix.add(values, self.curvature), self.jacobian.tocsr(), self.spring)
-        matrix.factorise(sprung)
-        return matrix, sprung
+        penalised = matrix.add_penalty_terms(matrix.add(values, self.curvature), self.jacobian.tocsr(), self.penalty)
+        matrix.factorise(penalised)
+        return matrix, penalised
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -55,8 +55,8 @@ class Bodies:
 def test_solving_gives_the_dense_solution_in_free_rows_and_zero_elsewhere(seed, together):
     bodies = Bodies(seed)
     rows, columns = np.tril_indices(36) if together else (bodies.rows, bodies.columns)
-    matrix, sprung = bodies.solved(rows, columns)
-    np.testing.assert_allclose(matrix.multiply(sprung, bodies.right), bodies.full @ bodies.right, atol=1e-12)
+    matrix, penalised = bodies.solved(rows, columns)
+    np.testing.assert_allclose(matrix.multiply(penalised, bodies.right), bodies.full @ bodies.right, atol=1e-12)
     away = matrix.solve(bodies.right) - bodies.solution
     energy = bodies.solution @ bodies.full @ bodies.solution
     assert away @ bodies.full @ away < 10 * RESIDUAL**2 * energy
@@ -65,7 +65,7 @@ def test_solving_gives_the_dense_solution_in_free_rows_and_zero_elsewhere(seed, 
 
 def test_a_body_alone_is_solved_at_once():
     bodies = Bodies(1)
-    bodies.spring, bodies.curvature = 0 * bodies.spring, 0 * bodies.curvature
+    bodies.penalty, bodies.curvature = 0 * bodies.penalty, 0 * bodies.curvature
     matrix, _ = bodies.solved(bodies.rows, bodies.columns)
     np.testing.assert_allclose(matrix.solve(bodies.right), bodies.solution, atol=1e-10)
     assert matrix.iterations <= 1
@@ -78,7 +78,7 @@ def test_negative_curvature_is_told_by_a_step_that_leads_uphill(concave):
     if concave == "within a body":
         value, vector = np.linalg.eigh(bodies.own[:12, :12])
         bodies.own[:12, :12] -= (value[0] + 0.01) * np.outer(vector[:, 0], vector[:, 0])
-        bodies.spring = 0 * bodies.spring
+        bodies.penalty = 0 * bodies.penalty
     else:
         bodies.curvature = sparse.coo_array(([-1e3, -1e3], ([3, 20], [20, 3])), shape=(36, 36))
     matrix, _ = bodies.solved(bodies.rows, bodies.columns)
@@ -91,11 +91,11 @@ def test_negative_curvature_is_told_by_a_step_that_leads_uphill(concave):
 def test_prisms_are_those_of_the_direct_solver(monkeypatch):
     """Tied and released; the minimisers make matrices that need no room for contact."""
     scene = case(0.4, tissue={"rows": 2, "cols": 2, "wall": 0.1, "height": 0.4})
-    direct = list(Simulation(scene).walk())
+    direct = list(Simulation(scene).accepted_steps())
     made: list[object] = []
     monkeypatch.setattr(minimise, "MOST_DIRECT", 0)
     monkeypatch.setattr(minimise, "SymmetricMatrix", lambda *_: made.append(None))
-    iterative = list(Simulation(scene).walk())
+    iterative = list(Simulation(scene).accepted_steps())
     assert not made
     for one, two in zip(direct, iterative, strict=True):
         assert one.record.certified and two.record.certified
@@ -104,8 +104,8 @@ def test_prisms_are_those_of_the_direct_solver(monkeypatch):
         assert two.record.contact_force == pytest.approx(one.record.contact_force, rel=1e-5)
 
 
-def test_springs_that_pull_at_more_than_there_is_room_for_are_solved_for_as_well():
-    """The pattern holds the diagonal only; bodies hardly know of their own springs, and the solution is the same."""
+def test_penalty_terms_that_pull_at_more_than_there_is_room_for_are_solved_for_as_well():
+    """The pattern holds the diagonal only; bodies hardly know of their own penalty terms, and the solution is the same."""
     bodies = Bodies(4)
     bodies.own, bodies.curvature = np.eye(36), 0 * bodies.curvature
     bodies.rows = bodies.columns = np.arange(36)

@@ -62,17 +62,17 @@ def test_an_entry_outside_the_pattern_is_an_error(row, column):
         matrix.add(np.zeros(4), both)
 
 
-def test_springs_are_added_as_their_product_and_none_change_nothing():
+def test_penalty_terms_are_added_as_their_product_and_none_change_nothing():
     random = np.random.default_rng(2)
     matrix = SymmetricMatrix(6, np.ones(6, bool), *np.tril_indices(6))
-    jacobian, spring = sparse.csr_array(random.standard_normal((3, 6))), random.uniform(size=3)
+    jacobian, penalty = sparse.csr_array(random.standard_normal((3, 6))), random.uniform(size=3)
     values, kept = np.arange(21.0), jacobian.copy()
-    full = jacobian.toarray().T @ np.diag(spring) @ jacobian.toarray()
+    full = jacobian.toarray().T @ np.diag(penalty) @ jacobian.toarray()
     np.testing.assert_allclose(
-        matrix.add_springs(values, jacobian, spring) - values, full[np.tril_indices(6)], atol=1e-13
+        matrix.add_penalty_terms(values, jacobian, penalty) - values, full[np.tril_indices(6)], atol=1e-13
     )
     np.testing.assert_array_equal(jacobian.toarray(), kept.toarray())
-    np.testing.assert_array_equal(matrix.add_springs(values, jacobian[:0], spring[:0]), values)
+    np.testing.assert_array_equal(matrix.add_penalty_terms(values, jacobian[:0], penalty[:0]), values)
 
 
 def test_room_is_told_without_an_error():

@@ -9,9 +9,9 @@ import pytest
 from scipy import sparse
 
 from ngcell.solve.minimise import Minimiser
-from ngcell.solve.minimum import Ending, Minimum, Tether
+from ngcell.solve.minimum import Ending, Minimum, ProximalTerm
 
-NOWHERE = Tether(0.0, np.zeros(3))
+NOWHERE = ProximalTerm(0.0, np.zeros(3))
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Model:
     curvature: sparse.coo_array | None
     gap: np.ndarray
     jacobian: sparse.csr_array
-    spring: np.ndarray
+    penalty: np.ndarray
     keys: np.ndarray
 
 
@@ -35,14 +35,14 @@ class Model:
 class Landscape:
     """A ball in a double well along x, a bowl along y, and nothing along z; no energy left of x = -3.
 
-        E = (x^2 - 1)^2 + tilt x + y^2 / 2 + spring / 2 min(0, stop - x)^2
+        E = (x^2 - 1)^2 + tilt x + y^2 / 2 + penalty term / 2 min(0, stop - x)^2
 
     In a `trap` the energy is 0 at first and 1 wherever one goes from there.
     """
 
     tilt: float = 0.0
     stop: float = np.inf
-    spring: float = 0.0
+    penalty: float = 0.0
     trap: bool = False
     free: np.ndarray = field(default_factory=lambda: np.ones(3, dtype=bool))
     visited: list[np.ndarray] = field(default_factory=list)
@@ -56,7 +56,7 @@ class Landscape:
         if self.trap:
             return Point(displacement, float(len(self.visited) > 1))
         overlap = min(0.0, self.stop - x)
-        energy = (x * x - 1) ** 2 + self.tilt * x + y * y / 2 + self.spring / 2 * overlap**2
+        energy = (x * x - 1) ** 2 + self.tilt * x + y * y / 2 + self.penalty / 2 * overlap**2
         return Point(displacement, energy if x > -3 else float("nan"))
 
     def move(self, displacement: np.ndarray, step: np.ndarray) -> np.ndarray:
@@ -68,7 +68,7 @@ class Landscape:
         gap = np.array([self.stop - x] if np.isfinite(self.stop) else [])
         jacobian = sparse.csr_array(np.array([[-1.0, 0, 0]] * len(gap)).reshape(-1, 3))
         stiffness = np.array([12 * x * x - 4, 1.0, 0.0])
-        return Model(gradient, stiffness, None, gap, jacobian, np.full(len(gap), self.spring), np.arange(len(gap)))
+        return Model(gradient, stiffness, None, gap, jacobian, np.full(len(gap), self.penalty), np.arange(len(gap)))
 
     def gaps(self, state: Point) -> tuple[np.ndarray, np.ndarray]:
         gap = np.array([self.stop - state.displacement[0]] if np.isfinite(self.stop) else [])
@@ -78,9 +78,9 @@ class Landscape:
         return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
 
 
-def descend(problem: Landscape, start: tuple, tether: Tether = NOWHERE, **limits) -> Minimum:
+def descend(problem: Landscape, start: tuple, proximal: ProximalTerm = NOWHERE, **limits) -> Minimum:
     minimiser = Minimiser(problem, limits.pop("longest_step", 0.5), energy_scale=1.0, **limits)
-    return minimiser.minimise(np.array(start, dtype=float), tether)
+    return minimiser.minimise(np.array(start, dtype=float), proximal)
 
 
 @pytest.mark.parametrize("longest_step", [0.5, np.inf])
@@ -95,23 +95,23 @@ def test_a_minimum_is_found_from_slopes_and_from_beside_the_saddle(start, longes
         assert minimum.state.displacement[0] * start > 0
 
 
-@pytest.mark.parametrize("strength", [1e-3, 1e-9])
-def test_what_floats_goes_where_the_tether_pulls_and_nothing_else_is_felt(strength):
-    anchor = np.array([0.3, 0.4, 5.0])
-    minimum = descend(Landscape(), (0.5, 1.0, -1.0), Tether(strength, anchor), longest_step=np.inf)
+@pytest.mark.parametrize("weight", [1e-3, 1e-9])
+def test_what_floats_goes_where_the_proximal_term_pulls_and_nothing_else_is_felt(weight):
+    centre = np.array([0.3, 0.4, 5.0])
+    minimum = descend(Landscape(), (0.5, 1.0, -1.0), ProximalTerm(weight, centre), longest_step=np.inf)
     assert minimum.ending is Ending.CONVERGED
     x, y, z = minimum.state.displacement
     assert z == pytest.approx(5.0, abs=1e-6)
-    assert abs(x - 1) < strength and abs(y) < strength
+    assert abs(x - 1) < weight and abs(y) < weight
 
 
-def test_one_sided_springs_are_found_closed_and_left_open():
-    pressed = descend(Landscape(tilt=-2.0, stop=0.5, spring=1e4), (-0.2, 0.0, 0.0), Tether(1e-9, np.zeros(3)))
+def test_one_sided_penalty_terms_are_found_closed_and_left_open():
+    pressed = descend(Landscape(tilt=-2.0, stop=0.5, penalty=1e4), (-0.2, 0.0, 0.0), ProximalTerm(1e-9, np.zeros(3)))
     assert pressed.ending is Ending.CONVERGED
     x = pressed.state.displacement[0]
     force = 4 * x * (x * x - 1) - 2.0 + 1e4 * (x - 0.5)
     assert 0.5 < x < 0.501 and abs(force) < 1e-8
-    loose = descend(Landscape(tilt=0.1, stop=0.5, spring=1e4), (-0.2, 0.0, 0.0), Tether(1e-9, np.zeros(3)))
+    loose = descend(Landscape(tilt=0.1, stop=0.5, penalty=1e4), (-0.2, 0.0, 0.0), ProximalTerm(1e-9, np.zeros(3)))
     assert loose.state.displacement[0] < -1
 
 
@@ -148,9 +148,7 @@ def test_held_unknowns_keep_their_values():
 def test_the_energy_falls_with_every_accepted_step():
     energies = []
     for iterations in range(1, 8):
-        minimum = descend(
-            Landscape(free=np.array([True, True, False])), (2.9, 3.0, 0.0), most_iterations=iterations
-        )
+        minimum = descend(Landscape(free=np.array([True, True, False])), (2.9, 3.0, 0.0), most_iterations=iterations)
         energies.append(minimum.state.energy)
     assert (np.diff(energies) <= 0).all()
 
@@ -166,8 +164,8 @@ def test_effort_is_counted():
 
 
 def test_a_refused_step_is_corrected_for_gaps_only_where_they_are_to_blame():
-    """The well refuses steps here; the gap is straight, and nothing is to be won back from its spring."""
-    problem = Landscape(stop=5.0, spring=1.0, free=np.array([True, True, False]))
+    """The well refuses steps here; the gap is straight, and nothing is to be won back from its penalty term."""
+    problem = Landscape(stop=5.0, penalty=1.0, free=np.array([True, True, False]))
     minimiser = Minimiser(problem, np.inf, energy_scale=1.0)
     assert minimiser.minimise(np.array([0.58, 0.0, 0.0]), NOWHERE).ending is Ending.CONVERGED
     spent = minimiser.effort

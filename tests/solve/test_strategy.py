@@ -10,39 +10,39 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ngcell.contact.assembly import Assembly
+from ngcell.problem.assembly import Assembly
+from ngcell.solve.continuation import CYCLING, ENOUGH, Continuation
 from ngcell.solve.effort import Effort
-from ngcell.solve.minimum import Ending, Minimum, Tether
+from ngcell.solve.minimum import Ending, Minimum, ProximalTerm
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.released import Released
-from ngcell.solve.sddp import compact_then_released
-from ngcell.solve.selection import CHATTER, ENOUGH, Release
+from ngcell.solve.sddp import tied_then_released
 from ngcell.solve.single_step import single_step
 from ngcell.solve.step import MOST_HALVINGS, Accepted, StepFailed
 from tests.tissues import LAW, SmallTissue, small_tissue
 
-PATH = Release(scale=LAW.shear_modulus)
+PATH = Continuation(scale=LAW.shear_modulus)
 
 
 @cache
 def sheared() -> SmallTissue:
-    return small_tissue(3, 3, order=2, edges=4, wall=0.2, travel=(0.1, 0.0))
+    return small_tissue(3, 3, order=2, edges=4, wall=0.2, prescribed_displacement=(0.1, 0.0))
 
 
-def released(tissue: SmallTissue, path: Release = PATH) -> Released:
+def released(tissue: SmallTissue, path: Continuation = PATH) -> Released:
     apart = tissue.minimiser(Assembly(tissue.space, tissue.bulk, tissue.motion.fixed))
     return Released(apart, (tissue.minimiser(tissue.released),), path)
 
 
-def by_sddp(tissue: SmallTissue, path: Release = PATH, *, steps: int = 1) -> list[Accepted]:
+def by_sddp(tissue: SmallTissue, path: Continuation = PATH, *, steps: int = 1) -> list[Accepted]:
     loads = [step / steps for step in range(1, steps + 1)]
-    walk = compact_then_released(
-        [tissue.minimiser(tissue.compact)], released(tissue, path), tissue.motion, steps=loads, levels=[1.0]
+    accepted_steps = tied_then_released(
+        [tissue.minimiser(tissue.tied)], released(tissue, path), tissue.motion, steps=loads, levels=[1.0]
     )
-    return list(walk)
+    return list(accepted_steps)
 
 
-def by_single_step(tissue: SmallTissue, path: Release = PATH, *, steps: int = 1) -> list[Accepted]:
+def by_single_step(tissue: SmallTissue, path: Continuation = PATH, *, steps: int = 1) -> list[Accepted]:
     loads = [step / steps for step in range(1, steps + 1)]
     return list(single_step(released(tissue, path), tissue.motion, steps=loads))
 
@@ -71,29 +71,29 @@ def test_both_strategies_end_at_the_same_equilibrium():
 
 
 def test_both_strategies_agree_to_the_bit_where_equilibria_are_many():
-    tissue = small_tissue(3, 3, order=2, edges=4, wall=0.1, travel=(0.3, 0.0))
+    tissue = small_tissue(3, 3, order=2, edges=4, wall=0.1, prescribed_displacement=(0.3, 0.0))
     one, other = by_single_step(tissue)[-1], by_sddp(tissue, steps=2)[-1]
     np.testing.assert_array_equal(one.minimum.state.displacement, other.minimum.state.displacement)
 
 
-@pytest.mark.parametrize("walk", [by_sddp, by_single_step])
-def test_the_result_does_not_depend_on_the_number_of_load_steps(walk):
-    assert_same(sheared(), walk(sheared(), steps=3)[-1], reference())
+@pytest.mark.parametrize("accepted_steps", [by_sddp, by_single_step])
+def test_the_result_does_not_depend_on_the_number_of_load_steps(accepted_steps):
+    assert_same(sheared(), accepted_steps(sheared(), steps=3)[-1], reference())
 
 
 @pytest.mark.parametrize(
     "path", [replace(PATH, first=100.0), replace(PATH, narrowest=0.1), replace(PATH, narrowest=0.25)], ids=str
 )
-def test_the_result_does_not_depend_on_how_finely_the_release_path_is_walked(path):
+def test_the_result_does_not_depend_on_how_finely_the_continuation_path_is_followed(path):
     assert_same(sheared(), by_single_step(sheared(), path)[-1], reference())
 
 
-def test_what_the_last_tether_holds_is_little_and_shrinks_with_it():
+def test_what_the_last_proximal_term_holds_is_little_and_shrinks_with_it():
     tissue = sheared()
     weaker = by_single_step(tissue, replace(PATH, last=PATH.last / 10))[-1]
     minimiser = tissue.minimiser(tissue.released)
-    ends = [(step.minimum.state.displacement, step.minimum.tether) for step in (reference(), weaker)]
-    held = [minimiser.tether_energy(*end) for end in ends]
+    ends = [(step.minimum.state.displacement, step.minimum.proximal) for step in (reference(), weaker)]
+    held = [minimiser.proximal_energy(*end) for end in ends]
     assert held[0] < 1e-3 * reference().minimum.state.energy
     assert held[1] < held[0]
 
@@ -102,8 +102,10 @@ def test_the_equilibrium_balances_and_pushes_back():
     tissue, step = sheared(), reference()
     state = step.minimum.state
     force = tissue.released.gradient(state)
-    tether = step.minimum.tether.strength * (tissue.released.mass @ (state.displacement - step.minimum.tether.anchor))
-    assert np.abs((force + tether)[tissue.released.free]).max() < 1e-8
+    proximal = step.minimum.proximal.weight * (
+        tissue.released.mass @ (state.displacement - step.minimum.proximal.centre)
+    )
+    assert np.abs((force + proximal)[tissue.released.free]).max() < 1e-8
     low, high = (plate_force(tissue, step, name) for name in ("low", "high"))
     assert high[0] > 0
     np.testing.assert_allclose(low, -high, atol=2e-3 * np.linalg.norm(high))
@@ -111,29 +113,29 @@ def test_the_equilibrium_balances_and_pushes_back():
     assert 0 < overlap < 0.05 * tissue.bodies.thickness
 
 
-def test_compact_states_come_first_and_store_more_energy():
-    compact, contact = by_sddp(sheared())
-    assert (compact.phase, contact.phase) == ("compact", "contact")
-    assert compact.load_factor == contact.load_factor == 1.0
-    assert compact.minimum.state.energy > 1.5 * contact.minimum.state.energy
-    assert compact.effort.iterations > 0 and contact.effort.iterations > 0
+def test_tied_states_come_first_and_store_more_energy():
+    tied, contact = by_sddp(sheared())
+    assert (tied.phase, contact.phase) == ("tied", "contact")
+    assert tied.load_factor == contact.load_factor == 1.0
+    assert tied.minimum.state.energy > 1.5 * contact.minimum.state.energy
+    assert tied.effort.iterations > 0 and contact.effort.iterations > 0
 
 
 def test_levels_are_released_and_the_steps_between_them_are_not():
-    tissue = small_tissue(1, 2, edges=1, order=1, travel=(0.02, 0.0))
-    walk = compact_then_released(
-        [tissue.minimiser(tissue.compact)],
+    tissue = small_tissue(1, 2, edges=1, order=1, prescribed_displacement=(0.02, 0.0))
+    accepted_steps = tied_then_released(
+        [tissue.minimiser(tissue.tied)],
         released(tissue),
         tissue.motion,
         steps=[0.25, 0.5, 0.75, 1.0],
         levels=[0.5, 1.0],
     )
-    assert [(step.phase, step.load_factor) for step in walk] == [
-        ("compact", 0.25),
-        ("compact", 0.5),
+    assert [(step.phase, step.load_factor) for step in accepted_steps] == [
+        ("tied", 0.25),
+        ("tied", 0.5),
         ("contact", 0.5),
-        ("compact", 0.75),
-        ("compact", 1.0),
+        ("tied", 0.75),
+        ("tied", 1.0),
         ("contact", 1.0),
     ]
 
@@ -141,7 +143,7 @@ def test_levels_are_released_and_the_steps_between_them_are_not():
 @pytest.mark.parametrize(("first", "last"), [(10.0, 1e-7), (1.0, 1e-3), (5.0, 5.0)])
 def test_strengths_fall_from_first_to_last(first, last):
     fake = FakeMinimiser(stride=np.inf)
-    path = Release(3.0, first, last)
+    path = Continuation(3.0, first, last)
     path.select(FakeMinimiser(stride=np.inf), (fake,), np.zeros(1), np.zeros(1))
     strengths = np.array(fake.strengths)
     assert strengths[0] == pytest.approx(3 * first) and strengths[-1] == pytest.approx(3 * last)
@@ -149,11 +151,11 @@ def test_strengths_fall_from_first_to_last(first, last):
     assert (decades >= -1e-12).all() and (decades <= 1 + 1e-9).all()
 
 
-def test_only_the_last_stretch_is_cut_short_where_it_chatters():
+def test_only_the_last_stretch_is_cut_short_where_it_cycles():
     fake = FakeMinimiser(stride=np.inf)
-    Release(1.0).select(FakeMinimiser(stride=np.inf), (fake,), np.zeros(1), np.zeros(1))
+    Continuation(1.0).select(FakeMinimiser(stride=np.inf), (fake,), np.zeros(1), np.zeros(1))
     strengths, limits = np.array(fake.strengths), np.array(fake.limits)
-    assert (limits[strengths < ENOUGH / 2] == CHATTER).all() and (strengths < ENOUGH / 2).any()
+    assert (limits[strengths < ENOUGH / 2] == CYCLING).all() and (strengths < ENOUGH / 2).any()
     assert (limits[strengths > 2 * ENOUGH] == None).all()  # noqa: E711
 
 
@@ -172,22 +174,22 @@ class FakeMinimiser:
     problem = SimpleNamespace(
         free=np.ones(1, dtype=bool),
         expand=lambda displacement: displacement,
-        improve=lambda state: (0.0, 0.0),
+        update_multipliers=lambda state: (0.0, 0.0),
         follow=lambda other, state: None,
     )
 
     def minimise(
-        self, start: np.ndarray, tether: Tether, tolerance: float = 0.0, most: int | None = None
+        self, start: np.ndarray, proximal: ProximalTerm, tolerance: float = 0.0, most: int | None = None
     ) -> Minimum:
         goal = float(start[0])
         self.asked.append(goal)
-        self.strengths.append(tether.strength)
+        self.strengths.append(proximal.weight)
         self.limits.append(most)
         self.effort.iterations += 1
         found = goal - self.reached <= self.stride + 1e-12
         self.reached = goal if found else self.reached
         ending = Ending.CONVERGED if found else Ending.NO_DESCENT
-        return Minimum(SimpleNamespace(displacement=start, energy=0.0), ending, 0.0, tether)
+        return Minimum(SimpleNamespace(displacement=start, energy=0.0), ending, 0.0, proximal)
 
     def forget_matrix(self) -> None:
         pass
@@ -195,7 +197,7 @@ class FakeMinimiser:
     def predict(self, displacement: np.ndarray, imposed: np.ndarray, weight: float) -> np.ndarray:
         return imposed
 
-    def tether_energy(self, displacement: np.ndarray, tether: Tether) -> float:
+    def proximal_energy(self, displacement: np.ndarray, proximal: ProximalTerm) -> float:
         return 0.0
 
 
@@ -203,48 +205,48 @@ class FakeMinimiser:
 class FakeMotion:
     """The displacement is the load factor."""
 
-    has_carried_field: bool = True
+    has_lifting: bool = True
 
     def imposed(self, displacement: np.ndarray, load_factor: float) -> np.ndarray:
         return np.array([load_factor])
 
-    def carried(self, load_factor: float) -> np.ndarray:
+    def lifting(self, load_factor: float) -> np.ndarray:
         return np.array([load_factor])
 
 
-def compact_walk(fake: FakeMinimiser) -> Iterator[Accepted]:
+def tied_steps(fake: FakeMinimiser) -> Iterator[Accepted]:
     released = SimpleNamespace(loads=None, longest_step=1.0)
-    return compact_then_released([fake], released, FakeMotion(), steps=[0.5, 1.0], levels=[])
+    return tied_then_released([fake], released, FakeMotion(), steps=[0.5, 1.0], levels=[])
 
 
-def incremental_walk(fake: FakeMinimiser) -> Iterator[Accepted]:
+def incremental_steps(fake: FakeMinimiser) -> Iterator[Accepted]:
     apart = FakeMinimiser(stride=np.inf)
-    path = Released(apart, (fake,), Release(1.0, first=1.0, last=1.0))
-    return single_step(path, FakeMotion(has_carried_field=False), steps=[0.5, 1.0])
+    path = Released(apart, (fake,), Continuation(1.0, first=1.0, last=1.0))
+    return single_step(path, FakeMotion(has_lifting=False), steps=[0.5, 1.0])
 
 
 @pytest.mark.parametrize(
-    ("walk", "outcome"),
-    [(compact_walk, Outcome.COMPACT_FAILED), (incremental_walk, Outcome.RELEASE_FAILED)],
+    ("continuation", "outcome"),
+    [(tied_steps, Outcome.TIED_FAILED), (incremental_steps, Outcome.RELEASE_FAILED)],
 )
 class TestHalving:
-    """Both walks meet a step that is too long in the same way."""
+    """Both follows meet a step that is too long in the same way."""
 
     def test_a_step_that_fails_is_halved_until_it_succeeds(
-        self, walk: Callable[[FakeMinimiser], Iterator[Accepted]], outcome: Outcome
+        self, accepted_steps: Callable[[FakeMinimiser], Iterator[Accepted]], outcome: Outcome
     ):
         fake = FakeMinimiser(stride=0.13)
-        steps = list(walk(fake))
+        steps = list(accepted_steps(fake))
         assert [step.load_factor for step in steps] == [0.5, 1.0]
         assert fake.asked[:3] == [0.5, 0.25, 0.125]
         assert [step.minimum.state.displacement[0] for step in steps] == [0.5, 1.0]
         assert sum(step.effort.iterations for step in steps) >= len(fake.asked)  # failures are counted
 
     def test_a_step_that_fails_however_short_is_given_up_by_name(
-        self, walk: Callable[[FakeMinimiser], Iterator[Accepted]], outcome: Outcome
+        self, accepted_steps: Callable[[FakeMinimiser], Iterator[Accepted]], outcome: Outcome
     ):
         fake = FakeMinimiser(stride=0.5)
-        path = walk(fake)
+        path = accepted_steps(fake)
         assert next(path).load_factor == 0.5
         fake.stride = 0.0
         fake.asked.clear()

@@ -53,12 +53,13 @@ def available(setting: Setting) -> bool:
 
 
 def _mesh(setting: Setting) -> Any:
-    from ngcell.blueprint import draw_up
+    from ngcell.build.discretisation import draw_up
+
     from ngcell.scene import Penalty
 
-    blueprint = draw_up(rings.scene(setting.problem, Penalty(), setting.order, setting.size))
-    modulus = min(law.plane_strain_modulus for law in blueprint.laws)
-    return blueprint, 10 * modulus / (rings.MISMATCH * setting.size * 3**0.5 / 4)
+    discretisation = draw_up(rings.scene(setting.problem, Penalty(), setting.order, setting.size))
+    modulus = min(law.plane_strain_modulus for law in discretisation.laws)
+    return discretisation, 10 * modulus / (rings.MISMATCH * setting.size * 3**0.5 / 4)
 
 
 def naive(setting: Setting) -> dict[str, Any]:
@@ -68,8 +69,8 @@ def naive(setting: Setting) -> dict[str, Any]:
 
     ngs.SetNumThreads(1)
     started = process_time()
-    blueprint, stiffness = _mesh(setting)
-    mesh, law = blueprint.bodies.mesh, blueprint.laws[0]
+    discretisation, stiffness = _mesh(setting)
+    mesh, law = discretisation.bodies.mesh, discretisation.laws[0]
     space = ngs.VectorH1(mesh, order=setting.order, dirichletx="inner-y|outer-y", dirichlety="inner-x|outer-x")
     trial, test = space.TnT()
     gradient = ngs.Id(2) + ngs.Grad(trial)
@@ -180,8 +181,8 @@ def _deck(setting: Setting) -> tuple[str, dict[int, tuple[float, float]]]:
     """Return the deck, and the places at rest of the vertices below, by number."""
     import ngsolve as ngs
 
-    blueprint, stiffness = _mesh(setting)
-    mesh, curved = blueprint.bodies.mesh, setting.order > 1
+    discretisation, stiffness = _mesh(setting)
+    mesh, curved = discretisation.bodies.mesh, setting.order > 1
     places = [tuple(vertex.point) for vertex in mesh.vertices]
     middle = _middles(mesh) if curved else {}
     flat = places + list(middle.values())

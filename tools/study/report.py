@@ -155,7 +155,7 @@ def choices(rows: list[Row]) -> list[Row]:
     return lines
 
 
-def front(lines: list[Row]) -> list[Row]:
+def upper_end(lines: list[Row]) -> list[Row]:
     """Return the choices that no other is both quicker and more exact than."""
     best, kept = float("inf"), []
     for line in sorted(lines, key=lambda line: (line["seconds"], line["error"])):
@@ -272,7 +272,7 @@ def work_precision(exact: list[Row], tissues: list[Row], path: Path) -> None:
             seconds, error = zip(*((line["seconds"], line["error"]) for line in mine), strict=True)
             look = {"color": COLOURS.get(method, "0.5"), "label": f"{method}, order {order}"}
             axis.loglog(seconds, error, STYLES[int(order)], marker="o", ms=4, **look)
-        best = front(lines)
+        best = upper_end(lines)
         seconds, error = zip(*((line["seconds"], line["error"]) for line in best), strict=True)
         axis.loglog(seconds, error, "ks", mfc="none", ms=9, label="Pareto front")
         axis.set(xlabel="processor seconds", ylabel="largest relative error", title=name)

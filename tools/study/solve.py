@@ -15,13 +15,13 @@ def solved(setting: Setting) -> dict[str, Any]:
     import ngsolve
     from threadpoolctl import threadpool_limits
 
-    from ngcell.simulation import Simulation
+    from ngcell.build.simulation import Simulation
 
     ngsolve.SetNumThreads(1)
     started = perf_counter(), process_time()
     with threadpool_limits(1, user_api="blas"):
         simulation = Simulation(_scene(setting))
-        steps = list(simulation.walk())
+        steps = list(simulation.accepted_steps())
     taken = perf_counter() - started[0], process_time() - started[1]
     final, phases = steps[-1], simulation.clock.seconds
     return {
@@ -57,7 +57,7 @@ def _scene(setting: Setting) -> Any:
 
 
 def _refined(case: Any, factor: float) -> Any:
-    """Return a case of drawn bodies with all sizes of elements multiplied by a factor."""
+    """Return a case of user-defined bodies with all sizes of elements multiplied by a factor."""
     zones = tuple(zone.model_copy(update={"size": zone.size * factor}) for zone in case.mesh.refine)
     size = case.mesh.size and case.mesh.size * factor
     mesh = case.mesh.model_copy(update={"refine": zones, "size": size})

@@ -1,0 +1,60 @@
+"""What it adds to a weighted gap that its segments end at vertices of the other wall, which slide along."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from ngcell.contact.gap.kinematics import GapKinematics
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Cuts:
+    """Moving ends of segments: with an end at xi, ``d (integral psi g) / d xi = psi g |X'|``.
+
+    The end follows from ``a . t = 0``, with a from the vertex of the other wall to the point on the edge:
+    ``d xi = -(t . da + a . dt) / (x' . t)``. Terms of second order in the gap at the end are left out of the curvature;
+    they vanish with it.
+
+    Attributes
+    ----------
+    kinematics : GapKinematics
+        The ends and the vertices that cut there, n of them.
+    share : csr_array, shape (m, n)
+        psi |X'| of each end over the integral of psi, for each multiplier.
+    slope : array of float, shape (n, 2)
+        Deformed tangent x' of the edge at the end [length].
+    """
+
+    kinematics: GapKinematics
+    share: sparse.csr_array
+    slope: Array
+
+    def jacobian(self, positions: Array) -> sparse.csr_array:
+        """Return what moving ends add to the derivatives of the weighted gaps."""
+        gap, _ = self.kinematics.slopes(positions)
+        moved = self._moved(positions)
+        return self.share @ self.kinematics.jacobian(gap[:, None] * moved, positions.shape[1])
+
+    def curvature(self, positions: Array, normal_force: Array) -> sparse.coo_array:
+        """Return what moving ends add to the tangent under the forces `push` of the multipliers, shape (m,)."""
+        applied = self.share.T @ normal_force
+        chosen = np.flatnonzero(applied)
+        _, slopes = self.kinematics.slopes(positions)
+        moved = self._moved(positions)
+        rise = np.einsum("nd,nd->n", slopes[:, :2], self.slope)[chosen, None, None]
+        slopes, moved = slopes[chosen], moved[chosen]
+        mixed = slopes[:, :, None] * moved[:, None, :]
+        blocks = mixed + mixed.transpose(0, 2, 1) + rise * moved[:, :, None] * moved[:, None, :]
+        return self.kinematics.assemble(-applied[chosen, None, None] * blocks, chosen, positions.shape[1])
+
+    def _moved(self, positions: Array) -> Array:
+        """Return the derivatives of the ends by ``(a, t)``, shape (n, 4)."""
+        a, t = self.kinematics.vectors(positions)
+        along = np.einsum("nd,nd->n", self.slope, t)
+        return -np.column_stack([t, a]) / along[:, None]

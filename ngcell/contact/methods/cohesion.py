@@ -1,0 +1,275 @@
+"""Cohesion: bonds between material points that face each other at rest, with a strength and a separation energy.
+
+Each bond joins a point of a wall to the point of the wall opposite that it coincides with at rest, for good: bonds do
+not find new contact pairs. With the vector ``a`` from the one to the other and its part h along the normal of the wall
+between the two (open > 0), the opening is
+
+    lambda = sqrt(|a|^2 - min(0, h)^2)
+
+so that sliding loads a bond as parting does, and compression is left to contact. The traction of a bond that
+opens is
+
+    T(lambda) = strength (lambda / peak) exp(1 - lambda / peak),     energy = e strength peak
+
+which rises to `strength` at the opening `peak`, falls off behind it, and takes `energy` per reference length to
+separate: both numbers are the user's, and no penalty is needed (Smith-Ferrante law as in Ortiz & Pandolfi 1999,
+doi:10.1002/(SICI)1097-0207(19990330)44:9<1267::AID-NME486>3.0.CO;2-7, with shear and normal weighed alike). A bond that
+has been opened by `largest` and is opened less follows the secant to the origin, with stiffness
+``T(largest) / largest``: what separates is spent, and does not come back.
+
+The energy of one increment is that of the secant up to `largest` and that of the law beyond: once differentiable, and
+concave in ``lambda^2``, so the secant stiffness lies above the tangent.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from ngcell.contact.gap.kinematics import GapKinematics
+from ngcell.contact.pairing.search import ContactPairs, near_edges
+from ngcell.contact.pairing.segments import find_segments, segment_pairs
+from ngcell.contact.surface.walls import Walls
+from ngcell.errors import CaseError
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+#: Distance, in lengths of the shortest edge, up to which points coincide.
+_COINCIDENCE = 1e-6
+#: Share of the stiffness at rest below which a bond adds nothing to a tangent.
+_NO_STIFFNESS = 1e-14
+
+
+@dataclass(frozen=True)
+class ExponentialLaw:
+    """The law of traction over opening.
+
+    Attributes
+    ----------
+    strength : float
+        Largest traction [stress], > 0.
+    energy : float
+        Separation energy per reference length, in three dimensions for each area [stress * length], > 0.
+    """
+
+    strength: float
+    energy: float
+
+    @property
+    def peak(self) -> float:
+        """Opening at the largest traction [length]."""
+        return self.energy / (np.e * self.strength)
+
+    @property
+    def stiffness_at_rest(self) -> float:
+        """Traction over opening of a whole bond [stress / length]."""
+        return np.e * self.strength / self.peak
+
+    def traction(self, opening: Array) -> Array:
+        """Return the traction of bonds that open [stress]."""
+        return self.secant(opening) * opening
+
+    def secant(self, opening: Array) -> Array:
+        """Return the traction over the opening [stress / length]."""
+        return np.asarray(self.stiffness_at_rest * np.exp(-opening / self.peak))
+
+    def work(self, opening: Array) -> Array:
+        """Return the work of opening a bond for the first time [stress * length]."""
+        share = opening / self.peak
+        return np.asarray(-self.energy * (np.expm1(-share) + share * np.exp(-share)))
+
+
+@dataclass(eq=False)
+class Bonds:
+    """Bonds between walls, and how far each has been opened.
+
+    The history moves by `advance` and `reset` only. Positions are unknowns of shape (dimension, scalar unknowns)
+    [length]; energies of a planar scene are those of a unit of depth.
+
+    Attributes
+    ----------
+    law : ExponentialLaw
+        The law of all bonds.
+    kinematics : GapKinematics
+        The vectors between the points of each bond, and the tangents of the wall between them.
+    bodies : array of int, shape (bonds, 2)
+        The two bodies of each bond, the lower number first.
+    largest : array of float, shape (bonds,)
+        Largest opening in any accepted state [length].
+    """
+
+    law: ExponentialLaw
+    kinematics: GapKinematics
+    bodies: Index
+    largest: Array = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.reset()
+
+    @property
+    def weight(self) -> Array:
+        """Length at rest that each bond stands for [length], in three dimensions area, shape (bonds,)."""
+        return self.kinematics.pairs.weight
+
+    def reset(self) -> None:
+        """Make all bonds whole."""
+        self.largest = np.zeros(len(self.kinematics.pairs))
+
+    def advance(self, positions: Array) -> None:
+        """Keep what has been opened further than ever before."""
+        self.largest = np.maximum(self.largest, self.openings(positions))
+
+    def openings(self, positions: Array) -> Array:
+        """Return the openings [length], >= 0, shape (bonds,)."""
+        a, *_ = self.kinematics.vectors(positions)
+        height = np.minimum(self.kinematics.gaps(positions), 0)
+        return np.sqrt(np.maximum((a**2).sum(1) - height**2, 0))
+
+    def energy(self, positions: Array) -> float:
+        """Return the energy of the increment: what is stored in bonds, plus all that has been spent on them."""
+        return self.stored(positions) + self.spent(positions)
+
+    def stored(self, positions: Array) -> float:
+        """Return the energy that bonds would give back [stress * length**2]."""
+        opening = self.openings(positions)
+        return float(self.weight @ (self.law.secant(np.maximum(opening, self.largest)) * opening**2) / 2)
+
+    def spent(self, positions: Array) -> float:
+        """Return the energy of separation that bonds do not give back [stress * length**2], this state included."""
+        reached = np.maximum(self.openings(positions), self.largest)
+        return float(self.weight @ (self.law.work(reached) - self.law.secant(reached) * reached**2 / 2))
+
+    def broken(self, positions: Array) -> NDArray[np.bool_]:
+        """Return which bonds have been opened beyond their strength, this state included."""
+        return np.maximum(self.openings(positions), self.largest) > self.law.peak
+
+    def slopes(self, positions: Array) -> Array:
+        """Return the derivatives of each bond's energy by ``(a_x, a_y, t_x, t_y)`` [stress * length], (bonds, 4).
+
+        In three dimensions by ``(a, t, t')`` [stress * length**2], (bonds, 9).
+        """
+        opening = self.openings(positions)
+        secant = self.law.secant(np.maximum(opening, self.largest))
+        return (self.weight * secant)[:, None] * self._half_squares(positions)
+
+    def gradient(self, positions: Array) -> Array:
+        """Return the gradient of the energy, shape (unknowns,)."""
+        jacobian = self.kinematics.jacobian(self.slopes(positions), positions.shape[1])
+        return np.asarray(jacobian.sum(0))
+
+    def tangent(self, positions: Array) -> sparse.coo_array:
+        """Return the second derivative of the energy, shape (unknowns, unknowns)."""
+        opening = self.openings(positions)
+        secant = self.law.secant(np.maximum(opening, self.largest))
+        chosen = np.flatnonzero(secant > _NO_STIFFNESS * self.law.stiffness_at_rest)
+        slope, blocks = self._half_squares(positions)[chosen], self._second_half_squares(positions, chosen)
+        opening, secant, largest = opening[chosen], secant[chosen], self.largest[chosen]
+        blocks *= secant[:, None, None]
+        opens = np.flatnonzero(opening > largest)
+        fall = secant[opens] / (self.law.peak * opening[opens])
+        blocks[opens] -= fall[:, None, None] * slope[opens, :, None] * slope[opens, None, :]
+        return self.kinematics.assemble(self.weight[chosen, None, None] * blocks, chosen, positions.shape[1])
+
+    def couplings(self) -> tuple[Index, Index]:
+        """Return rows and columns of all scalar unknowns that bonds couple."""
+        dofs = np.unique(self.kinematics.dofs, axis=0)
+        width = dofs.shape[1]
+        return np.repeat(dofs, width, axis=1).ravel(), np.tile(dofs, (1, width)).ravel()
+
+    def _half_squares(self, positions: Array) -> Array:
+        """Return the derivatives of ``lambda^2 / 2`` by ``(a, t)``, in three dimensions ``(a, t, t')``, shape (bonds, 4 or 9)."""
+        a, *_ = self.kinematics.vectors(positions)
+        height, slopes = self.kinematics.slopes(positions)
+        squares = -np.minimum(height, 0)[:, None] * slopes
+        squares[:, : a.shape[1]] += a
+        return squares
+
+    def _second_half_squares(self, positions: Array, chosen: Index) -> Array:
+        """Return the second derivatives of ``lambda^2 / 2`` by the same."""
+        height, slopes = (array[chosen] for array in self.kinematics.slopes(positions))
+        dimension, width = len(positions), slopes.shape[1]
+        blocks = np.zeros((len(chosen), width, width))
+        blocks[:, :dimension, :dimension] = np.eye(dimension)
+        pressed = np.flatnonzero(height < 0)
+        slopes, bent = slopes[pressed], self.kinematics.curvatures(positions, chosen[pressed])
+        blocks[pressed] -= slopes[:, :, None] * slopes[:, None, :] + height[pressed, None, None] * bent
+        return blocks
+
+
+def bond_walls(walls: Walls, law: ExponentialLaw) -> Bonds:
+    """Bond all walls that coincide at rest, each pair by the points of a Gauss rule; meshes need not match.
+
+    Raises
+    ------
+    CaseError
+        If no walls coincide.
+    """
+    reach = _COINCIDENCE * float(walls.sizes.min())
+    one, two = near_edges(walls, walls.rest, reach)
+    first = walls.body[one] < walls.body[two]
+    pairs = _opposite(walls, one[first], two[first], reach)
+    points = walls.places(pairs.edge, pairs.here, walls.rest)
+    apart = np.linalg.norm(points - walls.places(pairs.other, pairs.xi, walls.rest), axis=1)
+    pairs = _chosen(pairs, np.flatnonzero(apart < reach))
+    if not len(pairs):
+        raise CaseError("cohesion has nothing to hold together: no walls coincide at rest; allowed: walls that do")
+    bodies = np.column_stack([walls.body[pairs.edge], walls.body[pairs.other]])
+    return Bonds(law, _kinematics(walls, pairs), bodies)
+
+
+def _opposite(walls: Walls, one: Index, two: Index, reach: float) -> ContactPairs:
+    """Return the points of a rule on what faces each other at rest of pairs of edges."""
+    if walls.dimension == 2:
+        return segment_pairs(walls, walls.rest, find_segments(walls, walls.rest, one, two), reach)[0]
+    from ngcell.contact.pairing.intersections import find_intersections, intersection_pairs
+
+    return intersection_pairs(walls, walls.rest, find_intersections(walls, walls.rest, one, two), reach)
+
+
+def _chosen(pairs: ContactPairs, which: Index) -> ContactPairs:
+    return ContactPairs(**{name: array[which] for name, array in vars(pairs).items() if array is not None})
+
+
+def _kinematics(walls: Walls, pairs: ContactPairs) -> GapKinematics:
+    """Return the maps to ``a`` and to the tangents of the wall between both points, the mean of the two walls'."""
+    primary, secondary = walls.trace(pairs.edge, pairs.here), walls.trace(pairs.other, pairs.xi)
+    mine, theirs = (
+        np.stack(
+            [np.einsum("pi,pid->pd", walls.basis.values(xi, by), walls.rest[edge]) for by in walls.directions], axis=1
+        )
+        for edge, xi in ((pairs.edge, pairs.here), (pairs.other, pairs.xi))
+    )
+    pace, tangents = _paces(mine, theirs), []
+    for number, by in enumerate(walls.directions):
+        along_secondary = walls.trace(pairs.other, pairs.xi, derivative=by)
+        along_primary = np.zeros_like(primary)
+        for own, own_by in enumerate(walls.directions):
+            along_primary += pace[:, own, number, None] * walls.trace(pairs.edge, pairs.here, derivative=own_by)
+        tangents.append(np.concatenate([along_primary, along_secondary], axis=1) / 2)
+    kinematics = GapKinematics(
+        pairs=pairs,
+        dofs=np.concatenate([walls.dofs[pairs.edge], walls.dofs[pairs.other]], axis=1),
+        offset=np.concatenate([primary, -secondary], axis=1),
+        tangent=tangents[0],
+        side=walls.side[pairs.other],
+        correction=np.zeros(len(pairs)),
+    )
+    if walls.dimension == 2:
+        return kinematics
+    from ngcell.contact.gap.facets import FacetGap
+
+    flat = np.zeros((len(pairs), 2, 2))
+    return replace(kinematics, correction=flat, other_tangent=tangents[1], shape=FacetGap())
+
+
+def _paces(mine: Array, theirs: Array) -> Array:
+    """Return the rates of a wall's own coordinates by those of the wall opposite, whose tangents lie in one plane.
+
+    Walls of two bodies run in directions and at speeds of their own. Tangents have shape (bonds, tangents, dimension).
+    """
+    metric, mixed = mine @ mine.transpose(0, 2, 1), mine @ theirs.transpose(0, 2, 1)
+    return np.asarray(mixed / metric if mine.shape[1] == 1 else np.linalg.solve(metric, mixed))

@@ -1,0 +1,302 @@
+"""Unilateral contact by a mortar method: the contact pressure is an unknown, and no overlap pays for it.
+
+For each function psi of the multiplier space on one wall of a pair, with integrals over the wall at rest,
+
+    gap_psi = integral psi g / integral psi >= 0,   pressure_psi >= 0,   pressure_psi gap_psi = 0.
+
+One body of each pair has the multiplier: the softer, then the finer one. Integrals are taken segment by segment.
+
+A weighted gap does not see a corner, or two walls bent towards each other, sink in between its points: there the
+pressure is a point force, which no polynomial holds. So the vertices of both walls and the quarters of their edges
+are constrained, too. Each has a multiplier of its own that acts once the point is deeper than `ALLOWED` of its edge, and by
+as much as the outline at rest rises there; outlines of order 1, polygons that stand for what bends, are read off where
+a path hands over to the mortar method. The allowance falls with the mesh; it keeps point constraints out of smooth
+contact, where they would take pressure from walls.
+
+Conditions are met by the method of multipliers, a proximal form of the semismooth Newton (primal-dual active set)
+method: penalty terms ``stiffness min(0, gap - pressure / stiffness)^2 / 2`` have, at fixed pressures, an energy that the
+solver descends; pressures then become what the penalty terms push with, until nothing changes. Penalty terms only set the pace:
+each update leaves of the gaps about the share of the walls' own stiffness in that of the penalty terms.
+
+Why this variant. Multipliers that are continuous and one order lower than the trace are stable beside it for any mesh
+of the other body, and Bernstein polynomials keep pressures positive; dual multipliers only pay where multipliers are
+eliminated, which penalty terms do already. Segments, because a rule that ignores the other mesh misses the patch test by
+the jumps it steps over. Integrals at rest, so that weights do not move. Each wall has multipliers of its own, broken at
+sharp corners, so three cells that meet at a corner have three conditions on six unknowns and none twice.
+
+In three dimensions walls are faces and segments polygons: their points are found where pressures are updated, and stay in between.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from ngcell.contact.gap.kinematics import GapKinematics, gap_kinematics
+from ngcell.contact.gap.moving_ends import Cuts
+from ngcell.contact.methods.integration import integration
+from ngcell.contact.methods.multipliers import MultiplierSpace, constrained_points, sagitta
+from ngcell.contact.methods.protocol import ContactMethod, ContactSet
+from ngcell.contact.pairing.search import ContactPairs, PairSearch, adjacency
+from ngcell.contact.pairing.segments import FACING
+from ngcell.contact.surface.walls import WallPoints, Walls
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+#: How deep a point constraint may sink in, as a share of its edge.
+ALLOWED = 2.5e-4
+#: By how much penalty terms are stiffened where updates are slow, and at most in all.
+PENALTY_INCREASE, MOST_INCREASE = 10.0, 1e4
+
+
+@dataclass(frozen=True, eq=False)
+class MortarSet:
+    """Weighted gaps with the contact pairs found in one state.
+
+    Attributes
+    ----------
+    kinematics : GapKinematics
+        The points behind the gaps.
+    cuts : Cuts or None
+        The ends of the segments, which move as walls slide; None in three dimensions.
+    rows : array of int, shape (m,)
+        Multiplier of each weighted gap.
+    average : csr_array, shape (m, contact pairs)
+        Share of each point in the weighted gaps.
+    allowance : array of float, shape (m,)
+        What is added to the gaps [length].
+    pressure : array of float, shape (m,)
+        Multipliers at which the set was made [stress].
+    stiffness : array of float, shape (m,)
+        Stiffness of the penalty terms [stress / length].
+    weight : array of float, shape (m,)
+        Length that each multiplier acts on [length].
+    """
+
+    kinematics: GapKinematics
+    cuts: Cuts | None
+    rows: Index
+    average: sparse.csr_array
+    allowance: Array
+    pressure: Array
+    stiffness: Array
+    weight: Array
+
+    @property
+    def keys(self) -> Index:
+        """What tells the penalty terms of different states apart: the multipliers."""
+        return self.rows
+
+    def gaps(self, positions: Array) -> Array:
+        """Return the gaps of the penalty terms [length], shape (m,)."""
+        return self.weighted_gaps(positions) - self.pressure / self.stiffness
+
+    def weighted_gaps(self, positions: Array) -> Array:
+        """Return the gaps that may not be negative [length], shape (m,)."""
+        return self.average @ self.kinematics.gaps(positions) + self.allowance
+
+    def pressures(self, positions: Array) -> Array:
+        """Return the pressures that the penalty terms push with [stress], >= 0, shape (m,)."""
+        return np.maximum(self.pressure - self.stiffness * self.weighted_gaps(positions), 0)
+
+    def energy(self, positions: Array) -> float:
+        """Return the energy of the penalty terms above that of pressures at rest; 0 where all conditions hold."""
+        normal_force = self.pressures(positions)
+        return float(0.5 * (self.weight / self.stiffness * (normal_force**2 - self.pressure**2)).sum())
+
+    def penalty_terms(self, positions: Array) -> tuple[Array, sparse.csr_array, Array]:
+        """Return one one-sided penalty term a weighted gap."""
+        gap, slopes = self.kinematics.slopes(positions)
+        jacobian = self.average @ self.kinematics.jacobian(slopes, positions.shape[1])
+        if self.cuts is not None:
+            jacobian += self.cuts.jacobian(positions)
+        moved = self.average @ gap + self.allowance - self.pressure / self.stiffness
+        return moved, jacobian.tocsr(), self.stiffness * self.weight
+
+    def curvature(self, positions: Array) -> sparse.coo_array:
+        """Return the part of the tangent that is due to the curvature of the pressed gaps."""
+        normal_force = self.weight * self.pressures(positions)
+        bending = self.kinematics.bending(positions, self.average.T @ normal_force)
+        return bending if self.cuts is None else bending + self.cuts.curvature(positions, normal_force)
+
+    def contact_forces(self, positions: Array) -> Array:
+        """Return the force that each point transmits [stress * length], >= 0."""
+        return np.asarray(self.average.T @ (self.weight * self.pressures(positions)))
+
+    def missed(self, positions: Array) -> dict[str, float]:
+        """Return the deepest weighted overlap and the work of pressures on weighted gaps."""
+        gaps = self.weighted_gaps(positions)
+        work = self.weight * self.pressures(positions) * gaps
+        return {
+            "weighted_overlap": max(0.0, -float(gaps.min(initial=0.0))),
+            "weighted_complementarity": float(np.abs(work).sum()),
+        }
+
+
+class MortarContact:
+    """Mortar contact between all walls.
+
+    Parameters
+    ----------
+    walls : Walls
+        The walls.
+    stiffness : array of float, shape (edges,)
+        Stiffness of the penalty terms behind each edge [stress / length]; it sets the pace, not the result.
+    reach : float
+        Distance up to which walls are paired [length].
+    """
+
+    def __init__(self, walls: Walls, stiffness: Array, reach: float) -> None:
+        self.walls = walls
+        self.stiffness = stiffness
+        self.reach = reach
+        self.space = MultiplierSpace(walls)
+        self._rank = _carriers_first(walls, stiffness)
+        self._integration = integration(walls, reach, self._rank)
+        edge, xi = constrained_points(walls)
+        self._constrained_edge = edge
+        self._constrained = PairSearch(walls, WallPoints(edge, xi, np.zeros(len(edge))), reach)
+        self._constrained_count, self._bodies = len(edge), int(walls.body.max()) + 1
+        self._allowance = self._allowed(walls.rest)
+        self._weight = self._all_rows(self.space.weight, walls.depth[edge] ** (walls.dimension - 1))
+        by_row = np.zeros(self.space.size)
+        by_row[self.space.row] = stiffness[:, None]
+        self._stiffness = self._all_rows(by_row, stiffness[edge])
+        self.multipliers, self._pace = np.zeros(len(self._weight)), 1.0
+
+    def _allowed(self, nodes: Array) -> Array:
+        """Return what is added to the gaps of point constraints. Polygons that bend sagitta more than at rest."""
+        rise = sagitta(self.walls, self.walls.rest)
+        if self.walls.basis.order == 1:
+            rise = np.maximum(rise, sagitta(self.walls, nodes))
+        allowance = ALLOWED * self.walls.sizes + rise
+        return self._all_rows(np.zeros(self.space.size), allowance[self._constrained_edge])
+
+    def _all_rows(self, by_function: Array, by_point: Array) -> Array:
+        """Return values of all multipliers: functions first, then each point constraint with each body."""
+        return np.concatenate([by_function, np.repeat(by_point, self._bodies)])
+
+    def follow(self, other: ContactMethod, positions: Array) -> None:
+        """Start from the pressures of another method at an equilibrium of its own; point constraints start from none."""
+        self._integration.renew(self.walls.nodes(positions))
+        along, _ = self._integration.points(self.walls.nodes(positions))
+        by_edge = np.argsort(along.edge, kind="stable")
+        pressure = np.zeros(len(along))
+        points = WallPoints(along.edge[by_edge], along.here[by_edge], along.weight[by_edge])
+        pressure[by_edge] = other.pressures(positions, points)
+        rows = np.arange(self.space.size)
+        self._pace = 1.0
+        self._allowance = self._allowed(self.walls.nodes(positions))
+        self.multipliers = self._all_rows(self._shares(along, rows) @ pressure, np.zeros(self._constrained_count))
+
+    def pair(self, positions: Array) -> MortarSet:
+        """Find all segments and point constraints at `positions`, unknowns of shape (2, scalar unknowns)."""
+        nodes = self.walls.nodes(positions)
+        along, ends = self._integration.points(nodes)
+        constrained = self._constrained.pairs(nodes)
+        pairs = ContactPairs(*(np.concatenate(pair) for pair in zip(_arrays(along), _arrays(constrained), strict=True)))
+        rows, average = self._averages(along, constrained)
+        return MortarSet(
+            kinematics=gap_kinematics(self.walls, pairs, positions),
+            cuts=None if ends is None else self._cuts(ends, rows, positions, nodes),
+            rows=rows,
+            average=average,
+            allowance=self._allowance[rows],
+            pressure=self.multipliers[rows],
+            stiffness=self._pace * self._stiffness[rows],
+            weight=self._weight[rows],
+        )
+
+    def _cuts(self, ends: ContactPairs, rows: Index, positions: Array, nodes: Array) -> Cuts:
+        slope = np.einsum("pi,pid->pd", self.walls.basis.values(ends.here, 1), nodes[ends.edge])
+        return Cuts(gap_kinematics(self.walls, ends, positions), self._shares(ends, rows), slope)
+
+    def _averages(self, along: ContactPairs, constrained: ContactPairs) -> tuple[Index, sparse.csr_array]:
+        """Return the multipliers that have points, and the share of each point in their gaps."""
+        point_row = self.space.size + constrained.point * self._bodies + self.walls.body[constrained.other]
+        rows = np.unique(np.concatenate([self.space.row[along.edge].ravel(), point_row]))
+        place = np.searchsorted(rows, point_row), np.arange(len(point_row))
+        point_share = sparse.csr_array((np.ones(len(point_row)), place), shape=(len(rows), len(point_row)))
+        return rows, sparse.hstack([self._shares(along, rows), point_share], format="csr")
+
+    def _shares(self, points: ContactPairs, rows: Index) -> sparse.csr_array:
+        """Return psi times the weight of each point over the integral of psi, shape (rows, points)."""
+        row = self.space.row[points.edge]
+        share = points.weight[:, None] * self.space.values(points.here) / self.space.weight[row]
+        column = np.repeat(np.arange(len(points)), row.shape[1])
+        place = np.searchsorted(rows, row.ravel()), column
+        return sparse.csr_array((share.ravel(), place), shape=(len(rows), len(points)))
+
+    def couplings(self, positions: Array, margin: float) -> tuple[Index, Index]:
+        """Return rows and columns of all scalar unknowns that contact could couple while nothing moves by more
+        than half of `margin` [length]: those of all edges near the support of one multiplier."""
+        near = adjacency(self.walls, self.walls.nodes(positions), self.reach + margin)
+        row = self.space.row
+        spread = sparse.csr_array(
+            (np.ones(row.size), (row.ravel(), np.repeat(np.arange(len(row)), row.shape[1]))),
+            shape=(self.space.size, len(row)),
+        )
+        reached = spread @ near @ self.walls.touches(positions.shape[1])
+        reached.data[:] = 1
+        row, column = (reached.T @ reached).tocoo().coords
+        return row.astype(np.int64), column.astype(np.int64)
+
+    def pressures(self, positions: Array, points: WallPoints) -> Array:
+        """Return the contact pressure at points of the walls [stress]; that of a pair is the same on both its walls."""
+        nodes = self.walls.nodes(positions)
+        multipliers = self._applied(self.pair(positions), positions)[: self.space.size]
+        pairs = PairSearch(self.walls, points, self.reach).pairs(nodes)
+        has_multiplier = self._rank[self.walls.body[pairs.edge]] < self._rank[self.walls.body[pairs.other]]
+        edge = np.where(has_multiplier, pairs.edge, pairs.other)
+        xi = np.where(has_multiplier.reshape(-1, *(1,) * (pairs.xi.ndim - 1)), pairs.here, pairs.xi)
+        pressure = (self.space.values(xi) * multipliers[self.space.row[edge]]).sum(1)
+        normal = self.walls.chord_normals(nodes)
+        faces = np.einsum("pd,pd->p", normal[pairs.edge], normal[pairs.other]) < FACING
+        best = np.zeros(len(points.edge))
+        np.maximum.at(best, pairs.point, np.where(faces & (has_multiplier | ~pairs.at_end), pressure, 0.0))
+        return best
+
+    def update_multipliers(
+        self, contact: ContactSet, positions: Array, stored: Callable[[], float]
+    ) -> tuple[float, float]:
+        """Take over the pressures of an equilibrium; return the largest gap [length] that their change stands for, and
+        the energy of that change in the penalty terms [stress * length**2]."""
+        assert isinstance(contact, MortarSet)
+        if self._integration.renew(self.walls.nodes(positions)):
+            contact = self.pair(positions)
+        applied = self._applied(contact, positions)
+        stiffness = self._pace * self._stiffness
+        missed = np.abs(applied - self.multipliers) / stiffness
+        self.multipliers = applied
+        return float(missed.max(initial=0.0)), float((stiffness * self._weight * missed**2).sum()) / 2
+
+    def increase_penalty(self) -> None:
+        """Stiffen the penalty terms: where walls are confined, the walls' own stiffness is more than they were made for."""
+        self._pace = min(PENALTY_INCREASE * self._pace, MOST_INCREASE)
+
+    def _applied(self, contact: MortarSet, positions: Array) -> Array:
+        applied = np.zeros_like(self.multipliers)
+        applied[contact.rows] = contact.pressures(positions)
+        return applied
+
+
+def _carriers_first(walls: Walls, stiffness: Array) -> Index:
+    """Return the rank of each body: of a pair, the one with the lower rank has the multiplier."""
+    count = int(walls.body.max()) + 1
+    softness, size = np.full(count, np.inf), np.zeros(count)
+    np.minimum.at(softness, walls.body, stiffness * walls.depth)
+    np.add.at(size, walls.body, walls.sizes)
+    size /= np.maximum(np.bincount(walls.body, minlength=count), 1)
+    order = np.lexsort((np.arange(count), np.round(size / size.max(), 9), np.round(np.log(softness), 9)))
+    rank = np.empty(count, dtype=np.int64)
+    rank[order] = np.arange(count)
+    return rank
+
+
+def _arrays(pairs: ContactPairs) -> tuple[NDArray[np.generic], ...]:
+    return tuple(array for array in vars(pairs).values() if array is not None)

@@ -1,0 +1,97 @@
+"""What a contact method offers, whichever it is. A further method is one new file with these two classes.
+
+Signs and measures: a gap is positive where walls are apart. A push is never negative; it acts along the gap's
+derivative and drives walls apart. A contact pressure, a push for each length, is taken for each *reference* length here
+and turned into the true pressure where it is reported.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from ngcell.contact.gap.kinematics import GapKinematics
+from ngcell.contact.surface.walls import WallPoints, Walls
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+class ContactSet(Protocol):
+    """ContactPairs found in one state, and the contact energy of any nearby state with these contact pairs.
+
+    Positions are unknowns of shape (2, scalar unknowns) [length].
+    """
+
+    @property
+    def kinematics(self) -> GapKinematics:
+        """The contact pairs and their gaps."""
+
+    @property
+    def keys(self) -> Index:
+        """What tells the penalty terms of different states apart."""
+
+    def gaps(self, positions: Array) -> Array:
+        """Return the gaps of the penalty terms [length]."""
+
+    def energy(self, positions: Array) -> float:
+        """Return the energy that the solver adds to the stored one."""
+
+    def penalty_terms(self, positions: Array) -> tuple[Array, sparse.csr_array, Array]:
+        """Return gaps, their derivatives by the unknowns, and stiffness of one-sided penalty terms with that energy."""
+
+    def curvature(self, positions: Array) -> sparse.coo_array:
+        """Return the part of the tangent that is due to the curvature of the gaps."""
+
+    def contact_forces(self, positions: Array) -> Array:
+        """Return the force that each contact pair transmits [stress * length], >= 0."""
+
+    def missed(self, positions: Array) -> dict[str, float]:
+        """Return by how much the method misses conditions of its own, by name; the certificate has a limit for each.
+
+        ``weighted_overlap`` is a length, ``weighted_complementarity`` an energy. Empty where there are none.
+        """
+
+
+class ContactMethod(Protocol):
+    """A way to keep walls from passing through each other.
+
+    Attributes
+    ----------
+    walls : Walls
+        The walls.
+    stiffness : array of float, shape (edges,)
+        Stiffness of the penalty terms behind each edge [stress / length].
+    """
+
+    walls: Walls
+    stiffness: Array
+
+    def pair(self, positions: Array) -> ContactSet:
+        """Find all contact pairs."""
+
+    def couplings(self, positions: Array, margin: float) -> tuple[Index, Index]:
+        """Return rows and columns of all scalar unknowns that contact could couple while nothing moves by more
+        than half of `margin` [length]."""
+
+    def pressures(self, positions: Array, points: WallPoints) -> Array:
+        """Return the contact pressure at points of the walls [stress], >= 0, for each reference length."""
+
+    def follow(self, other: ContactMethod, positions: Array) -> None:
+        """Start from the pressures of another method at an equilibrium of its own, and forget all others."""
+
+    def update_multipliers(
+        self, contact: ContactSet, positions: Array, stored: Callable[[], float]
+    ) -> tuple[float, float]:
+        """Update the multipliers from an equilibrium, whose stored energy `stored` returns; return what it still misses of conditions.
+
+        That is the largest gap [length], and the energy [stress * length**2] of the penalty terms that stand for the missed
+        gaps; both are 0 where there is nothing to be updated.
+        """
+
+    def increase_penalty(self) -> None:
+        """Increase the penalty from now on, until the next `follow`."""

@@ -1,0 +1,216 @@
+"""A load path with a memory: every step starts where the one before ended, and its energy is accounted for.
+
+Where bonds break for good, an equilibrium depends on the way to it. A step from one load factor to the next has two
+parts. First the supports move, and the bodies follow along a straight line, to first order and with bonds on their
+secants. Then, at held supports, the energy falls to a minimum: in steps of the minimiser, whose proximal term keeps
+them short, and with a vanishing proximal term to the start. The history moves when the step is accepted.
+
+The first part is work, the second is lost: where the state follows the load it is of second order in the step and
+vanishes as steps get small; where walls snap it stays, and is what a faster dynamics would turn into heat. Both are
+taken independently, work from forces and losses from energies, so their sum has to be the change of energy:
+
+    work of supports and loads = change of stored energy + energy of separation + loss + mismatch
+
+and the mismatch, the error of the trapezoidal rule, decides how long a step may be. Where the forces in equilibrium at
+both ends account for the change of energy by themselves, nothing was lost. Where they nearly do, shorter steps tell.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from math import copysign
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ngcell.solve.minimum import Ending, Minimum, ProximalTerm
+from ngcell.solve.outcome import Outcome
+from ngcell.solve.problem import State
+from ngcell.solve.released import Released
+from ngcell.solve.step import MOST_HALVINGS, Accepted, Account, Motion, StepFailed
+
+Array = NDArray[np.float64]
+
+_log = logging.getLogger(__name__)
+
+#: Largest mismatch of a step, as a share of the energy that the step moves, and below which the next may be longer.
+MISMATCH, LONGER = 1e-3, 2e-4
+#: Share of all energy so far that counts as moved even where less is.
+QUIET = 1e-4
+#: Share of the energy moved that the forces at both ends leave unexplained and above which walls have snapped.
+SNAPPED = 0.1
+#: Longest way of the bodies along the straight line, in longest steps or ways of the supports.
+FARTHEST = 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class _Place:
+    """Where the continuation stands: load factor, minimum, the loss so far."""
+
+    load: float
+    minimum: Minimum
+    dissipation: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Stand:
+    """A state, the gradient of its energy, the share of the loads that acts on it and their potential in full."""
+
+    state: State
+    force: Array
+    share: float
+    potential: float
+
+
+class LoadStepping:
+    """The continuation.
+
+    Parameters
+    ----------
+    released : Released
+        The problem with contact and bonds, and its history.
+    motion : Motion
+        The supports.
+    """
+
+    def __init__(self, released: Released, motion: Motion) -> None:
+        self._released, self._motion = released, motion
+        self._minimiser = released.minimisers[-1]
+        self._problem = self._minimiser.problem
+
+    def steps(
+        self,
+        targets: Sequence[float],
+        *,
+        done: int = 0,
+        load: float = 0.0,
+        displacement: Array | None = None,
+        dissipation: float = 0.0,
+        increment: float | None = None,
+    ) -> Iterator[Accepted]:
+        """Yield accepted steps up to each target in turn, with as many between them as the balance asks for.
+
+        Parameters
+        ----------
+        targets : sequence of float
+            Load factors, in the order of the load path.
+        done : int
+            Number of targets that the continuation has come to.
+        load : float
+            Load factor to go on from.
+        displacement : array of float, shape (unknowns,), optional
+            The displacement there [length]; by default that at rest.
+        dissipation : float
+            What has been lost up to there [energy].
+        increment : float, optional
+            Change of load factor of the first step; by default up to the first target.
+
+        Raises
+        ------
+        StepFailed
+            If a step finds no equilibrium, or does not balance, even when it is as short as allowed.
+        """
+        self._apply(load)
+        at_rest = self._motion.imposed(np.zeros(len(self._problem.free)), 0.0)
+        state = self._problem.at(at_rest if displacement is None else displacement)
+        place = _Place(load, Minimum(state, Ending.CONVERGED, 0.0, ProximalTerm(0.0, state.displacement)), dissipation)
+        shortest = float(np.abs(np.diff([0.0, *targets])).min()) / 2**MOST_HALVINGS
+        increment = increment or abs(targets[0])
+        for number, target in enumerate(targets[done:], done):
+            while place.load != target:
+                before = self._released.effort
+                way = target - place.load
+                pieces = max(1, int(np.ceil(abs(way) / increment - 1e-9)))
+                increment = abs(way) / pieces
+                goal = target if pieces == 1 else place.load + way / pieces
+                tried = self._tried(place, goal, is_shortest=increment < shortest)
+                while tried is None:
+                    if increment < shortest:
+                        raise StepFailed(Outcome.RELEASE_FAILED, goal)
+                    increment /= 2
+                    self._released.apart.effort.cutbacks += 1
+                    goal = place.load + copysign(increment, way)
+                    tried = self._tried(place, goal, is_shortest=increment < shortest)
+                place, account = tried
+                self._released.history.advance(place.minimum.state.displacement)
+                increment *= 2 if account.mismatch_share < LONGER else 1
+                account = replace(account, increment=increment, targets=number + (goal == target))
+                yield Accepted("contact", goal, place.minimum, self._released.effort - before, account)
+
+    def _tried(self, place: _Place, goal: float, *, is_shortest: bool) -> tuple[_Place, Account] | None:
+        """Return where a step leads, or None if it is too long."""
+        start = self._stand(place.minimum.state, place.load)
+        towards = self._followed(start.state.displacement, goal)
+        self._apply(goal)
+        moved = self._stand(self._problem.at(towards), goal)
+        if np.isfinite(moved.state.energy):
+            minimum = self._fallen(towards)
+            least = 0.0 if is_shortest else SNAPPED
+            lost, mismatch, share = self._balance(start, moved, self._stand(minimum.state, goal), least)
+            _log.info("step to %.6g: %s, mismatch %.1e, lost %.1e", goal, minimum.ending.value, share, lost)
+            if minimum.is_found and share <= MISMATCH:
+                account = Account(place.dissipation + lost, mismatch, share)
+                return _Place(goal, minimum, account.dissipation), account
+        self._apply(place.load)
+        return None
+
+    def _fallen(self, start: Array) -> Minimum:
+        """Return the minimum below a place; its proximal term follows where bodies went far."""
+        while True:
+            minimum = self._minimiser.minimise(start, self._released.path.last_proximal(start))
+            if not minimum.is_found:
+                return minimum
+            fallen = float(np.abs(minimum.state.displacement - start).max())
+            if fallen <= self._minimiser.longest_step:
+                return minimum
+            start = minimum.state.displacement
+
+    def _balance(self, start: _Stand, moved: _Stand, end: _Stand, least: float) -> tuple[float, float, float]:
+        """Return the loss of a step, what of the energy is not accounted for, and that as a share of what was moved.
+
+        Only where equilibria at both ends leave more than `least` unexplained a loss is looked for.
+        """
+        free = self._problem.free
+        way = np.where(free, 0.0, end.state.displacement - start.state.displacement)
+        mismatch, share = _unexplained(start, end, way)
+        if share <= max(MISMATCH, least):
+            return 0.0, mismatch, share
+        way = moved.state.displacement - start.state.displacement
+        mismatch, share = _unexplained(start, moved, way)
+        held_back = float((start.force + moved.force)[free] @ way[free]) / 2
+        return moved.state.energy - end.state.energy - held_back, mismatch, share
+
+    def _stand(self, state: State, load: float) -> _Stand:
+        loads, force = self._released.loads, np.zeros(0)
+        if np.isfinite(state.energy):
+            force = self._problem.gradient(state)
+        if loads is None:
+            return _Stand(state, force, 0.0, 0.0)
+        return _Stand(state, force, loads.share(load), loads.potential(state.displacement, 1.0))
+
+    def _followed(self, displacement: Array, goal: float) -> Array:
+        """Return where the bodies are when the supports have moved, held back where they would run ahead."""
+        imposed = self._motion.imposed(displacement, goal)
+        weight = self._released.path.last_proximal(displacement).weight
+        limit = FARTHEST * max(self._minimiser.longest_step, float(np.abs(imposed - displacement).max()))
+        while True:
+            towards = self._minimiser.predict(displacement, imposed, weight)
+            if float(np.abs(towards - displacement).max()) <= limit:
+                return towards
+            weight *= 100
+
+    def _apply(self, load: float) -> None:
+        if self._released.loads is not None:
+            self._released.loads.apply(load)
+
+
+def _unexplained(one: _Stand, two: _Stand, way: Array) -> tuple[float, float]:
+    """Return work minus change of energy on a way, by the trapezoidal rule, and its share of what is moved."""
+    work = float((one.force + two.force) @ way) / 2
+    work += (two.share - one.share) * (one.potential + two.potential) / 2
+    change = two.state.energy - one.state.energy
+    mismatch = work - change
+    moved = max(abs(change), abs(work), QUIET * abs(one.state.energy), np.finfo(float).tiny)
+    return mismatch, abs(mismatch) / moved

@@ -1,0 +1,214 @@
+"""The inner problem of a Newton step: a quadratic plus one-sided penalty terms.
+
+Ordinary Newton sees only walls that overlap already; its step then drives many others into each other, and a line
+search has to stop it at the first of them. Here the quadratic model has the linearised gap of every near wall, and
+its minimum is found by Newton on this piecewise quadratic function with exact line searches: the set of closed
+walls changes inside the model, at the price of a factorisation, or of a solution for each penalty term where few of them
+change, and without evaluating a single element.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+#: Inner iterations; stopping early costs nothing but a less good step, which the outer iteration judges.
+MOST_ROUNDS = 8
+#: The inner iteration ends when it gains less than this share of the decrease so far.
+WORTHWHILE_GAIN = 0.02
+#: Factor by which corrections of an inverse may enlarge round-off.
+LOST = 1e6
+
+
+class Matrix(Protocol):
+    """A symmetric matrix with a lasting pattern, and a solver for it; `add_springs` makes what `factorise` takes."""
+
+    @property
+    def entry_count(self) -> int:
+        """Number of entries of the pattern."""
+
+    def locate(self, rows: Index, columns: Index) -> Index:
+        """Return the positions of entries in the array of values."""
+
+    def has_room(self, rows: Index, columns: Index) -> bool:
+        """Tell whether all these entries are part of the pattern, or need not be."""
+
+    def add(self, values: Array, matrix: sparse.sparray) -> Array:
+        """Return `values` plus the lower triangle of a symmetric sparse matrix."""
+
+    def add_penalty_terms(self, values: Array, jacobian: sparse.csr_array, penalty: Array) -> Any:
+        """Return `values` plus ``jacobian.T @ diag(penalty term) @ jacobian``."""
+
+    def factorise(self, values: Any) -> None:
+        """Prepare to solve systems with this matrix."""
+
+    @property
+    def few(self) -> int:
+        """Number of solutions that take no more operations than a factorisation."""
+
+    def solve(self, right: Array) -> Array:
+        """Return the solution; 0 in rows that are not free."""
+
+    def multiply(self, values: Any, vector: Array) -> Array:
+        """Return the product of the symmetric matrix with these values and a vector."""
+
+
+@dataclass(frozen=True, eq=False)
+class OneSidedModel:
+    """``m(d) = gradient d + d K d / 2 + sum_i spring_i min(0, gap_i + jacobian_i d)^2 / 2``.
+
+    Attributes
+    ----------
+    gradient : array of float, shape (unknowns,)
+        Zero on unknowns that are not free.
+    stiffness : array of float
+        Values of K on the matrix' pattern.
+    gap, jacobian, penalty term : array, csr_array, array
+        The penalty terms.
+    free : array of bool, shape (unknowns,)
+        Unknowns that may move.
+    """
+
+    gradient: Array
+    stiffness: Array
+    gap: Array
+    jacobian: sparse.csr_array
+    penalty: Array
+    free: NDArray[np.bool_]
+
+    @cached_property
+    def full_gradient(self) -> Array:
+        """The gradient at 0, penalty terms included; zero on unknowns that are not free."""
+        return np.where(self.free, self.gradient + self.pulled(self.penalty * np.minimum(self.gap, 0)), 0.0)
+
+    def pulled(self, forces: Array) -> Array:
+        """Return ``jacobian.T forces``."""
+        return np.asarray(self._transposed @ forces)
+
+    @cached_property
+    def _transposed(self) -> sparse.csc_array:
+        return self.jacobian.T
+
+    def stored(self, gap: Array) -> float:
+        """Return the energy that the penalty terms store at these gaps."""
+        return 0.5 * float((self.penalty * np.minimum(gap, 0) ** 2).sum())
+
+    def change(self, step: Array, curved: Array, moved: Array) -> float:
+        """Return ``m(step) - m(0)``, with ``curved = K step`` and ``moved = jacobian step``."""
+        before, after = np.minimum(self.gap, 0), np.minimum(self.gap + moved, 0)
+        # What penalty terms add to their first-order part, without differences of squares: those drown small steps.
+        flipped = (after - before) * (after + before) - 2 * before * moved
+        bent = np.where((before < 0) & (after < 0), moved**2, flipped)
+        return float(self.full_gradient @ step + 0.5 * (step @ curved) + 0.5 * (self.penalty @ bent))
+
+
+def minimise_one_sided(model: OneSidedModel, matrix: Matrix) -> tuple[Array, float, int]:
+    """Return a step that nearly minimises the model, the change of the model, and the number of factorisations.
+
+    The change is not negative if the matrix is not positive definite along the way.
+    """
+    step, curved = np.zeros_like(model.gradient), np.zeros_like(model.gradient)
+    gap, moved = model.gap, np.zeros_like(model.gap)
+    change, quadratics = 0.0, _Quadratics(model, matrix)
+    closed = np.flatnonzero(gap < 0)
+    for _ in range(MOST_ROUNDS):
+        towards = quadratics.minimum(closed) - step
+        way, curves = model.jacobian @ towards, matrix.multiply(model.stiffness, towards)
+        constant, linear = float(model.gradient @ towards + step @ curves), float(towards @ curves)
+        fraction = _root_of_slope(constant, linear, model.penalty, gap, way)
+        step, curved, moved = step + fraction * towards, curved + fraction * curves, moved + fraction * way
+        gap = model.gap + moved
+        before, change = change, model.change(step, curved, moved)
+        was_closed, closed = closed, np.flatnonzero(gap < 0)
+        settled = np.array_equal(was_closed, closed)
+        if settled or not change < 0 or before - change < -WORTHWHILE_GAIN * change:
+            break
+    return step, change, quadratics.factorisations
+
+
+class _Quadratics:
+    """The quadratics in which some penalty terms act, and their minima.
+
+    One of them is factorised. Where few penalty terms have closed or opened since, what they add is a matrix of low rank, and
+    its inverse follows from that of the factorised one (Sherman-Morrison-Woodbury; Hager, SIAM Rev. 31, 1989,
+    doi:10.1137/1031049).
+    """
+
+    def __init__(self, model: OneSidedModel, matrix: Matrix) -> None:
+        self._model, self._matrix = model, matrix
+        self._acting: Index | None = None
+        self._pulled: dict[int, Array] = {}
+        self.factorisations = 0
+
+    def minimum(self, closed: Index) -> Array:
+        """Return the minimum of the quadratic in which just these penalty terms act."""
+        model = self._model
+        pull = np.zeros_like(model.gap)
+        pull[closed] = model.penalty[closed] * model.gap[closed]
+        right = -(model.gradient + model.pulled(pull))
+        if self._acting is not None:
+            changed = np.setxor1d(closed, self._acting)
+            if len(changed) <= self._matrix.few:
+                minimum = self._corrected(self._matrix.solve(right), changed, np.isin(changed, closed))
+                if minimum is not None:
+                    return minimum
+        self._factorise(closed)
+        return self._matrix.solve(right)
+
+    def _factorise(self, closed: Index) -> None:
+        model = self._model
+        self._matrix.factorise(
+            self._matrix.add_penalty_terms(model.stiffness, model.jacobian[closed], model.penalty[closed])
+        )
+        self._acting, self._pulled = closed, {}
+        self.factorisations += 1
+
+    def _corrected(self, solution: Array, changed: Index, closes: NDArray[np.bool_]) -> Array | None:
+        """Return a solution with these penalty terms closed, or else opened; None where digits are lost.
+
+        That is where a penalty term opens that alone held a body: what still holds it is the difference of large numbers.
+        """
+        if not len(changed):
+            return solution
+        jacobian, root = self._model.jacobian[changed], np.sqrt(self._model.penalty[changed])
+        for row, number in enumerate(changed.tolist()):
+            if number not in self._pulled:
+                self._pulled[number] = self._matrix.solve(jacobian[[row]].toarray()[0])
+        pulled = root * np.stack([self._pulled[number] for number in changed.tolist()], axis=1)
+        gap = root * (jacobian @ solution)
+        try:
+            force = np.linalg.solve(root[:, None] * (jacobian @ pulled) + np.diag(np.where(closes, 1.0, -1.0)), gap)
+        except np.linalg.LinAlgError:
+            return None
+        return solution - pulled @ force if np.abs(force).max() <= LOST * np.abs(gap).max() else None
+
+
+def _root_of_slope(constant: float, linear: float, penalty: Array, gap: Array, moved: Array) -> float:
+    """Return where ``constant + s linear + sum penalty term min(0, gap + s moved) moved`` vanishes, at most 1.
+
+    The slope is piecewise linear in s: it breaks where a penalty term closes or opens.
+    """
+    closed = (gap < 0) | ((gap == 0) & (moved < 0))
+    constant += float((penalty * gap * moved)[closed].sum())
+    linear += float((penalty * moved**2)[closed].sum())
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = -gap / moved
+    change = np.flatnonzero((at > 0) & (at < 1))
+    change = change[np.argsort(at[change])]
+    turn = np.where(moved[change] < 0, 1.0, -1.0)
+    constants = constant + np.concatenate([[0], np.cumsum(turn * (penalty * gap * moved)[change])])
+    linears = linear + np.concatenate([[0], np.cumsum(turn * (penalty * moved**2)[change])])
+    ends = np.concatenate([at[change], [1.0]])
+    positive = np.flatnonzero(constants + ends * linears > 0)
+    if not len(positive) or constant >= 0:
+        return 1.0
+    piece = positive[0]
+    return float(min(-constants[piece] / linears[piece], 1.0))
