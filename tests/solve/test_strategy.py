@@ -226,7 +226,7 @@ def incremental_steps(fake: FakeMinimiser) -> Iterator[Accepted]:
 
 
 @pytest.mark.parametrize(
-    ("continuation", "outcome"),
+    ("accepted_steps", "outcome"),
     [(tied_steps, Outcome.TIED_FAILED), (incremental_steps, Outcome.RELEASE_FAILED)],
 )
 class TestHalving:
