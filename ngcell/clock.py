@@ -1,4 +1,4 @@
-"""Where the seconds go: processor time by phase."""
+"""Processor time of a run, summed by the phase that took it."""
 
 from __future__ import annotations
 
@@ -9,14 +9,20 @@ from time import process_time
 
 
 class Clock:
-    """Adds up processor seconds by name; phases do not nest."""
+    """Adds up processor time by phase; phases do not nest.
+
+    Attributes
+    ----------
+    seconds : dict of str to float
+        Processor seconds so far, by name of the phase [s], >= 0.
+    """
 
     def __init__(self) -> None:
         self.seconds: dict[str, float] = defaultdict(float)
 
     @contextmanager
     def phase(self, name: str) -> Iterator[None]:
-        """Count the time inside the block towards `name`."""
+        """Add the processor time that the block takes to `seconds[name]`."""
         start = process_time()
         try:
             yield

@@ -5,21 +5,22 @@
     NgcellError                 an error that names the thing, the value, the limit and the remedy
     ├── CaseError               the case cannot be simulated as written                      exit 3
     │   └── GeometryError       its shape cannot be built or meshed                          exit 3
-    ├── NotConverged            the load stepping ended early                     exit 4
+    ├── NotConverged            the load stepping ended before the last level            exit 4
     ├── OutputError             results cannot be written to, or read from, a folder         exit 4
     └── DependencyError         an installed library is missing or cannot do what is needed  exit 4
 
 Usage errors of the command line (exit 2) belong to click. A run that converges but fails its certificate
-raises nothing: it is a result, labelled as such, and the command line alone turns it into exit 4.
+raises nothing: it is a result, labelled as such, and only the command line turns it into exit 4.
 """
 
 from __future__ import annotations
 
-from typing import ClassVar
+from collections.abc import Iterable
+from typing import Any, ClassVar
 
 
 class NgcellError(Exception):
-    """Parent of every error that ngcell raises on purpose; `exit_code` is what the command line answers."""
+    """Parent of every error that ngcell raises on purpose; the command line ends with its `exit_code`."""
 
     exit_code: ClassVar[int] = 4
 
@@ -43,14 +44,40 @@ class NotConverged(NgcellError):  # noqa: N818 - named as what is reported, not 
         What happened and what to try.
     outcome : str
         Name of the outcome, one of the closed list of the solver.
-    record_count : int
-        Number of steps that were accepted before, all kept in the output folder.
+    steps : iterable, optional
+        The accepted steps.
+    record_count : int, optional
+        Number of accepted steps in the output folder, if it differs from the number of `steps`: a resumed run
+        accepted some before it was stopped.
+
+    Attributes
+    ----------
+    outcome : str
+        As the parameter.
+    steps : tuple
+        Accepted steps, results that are kept: up to the last of them the load path is solved and judged. Empty if
+        none was accepted, or where the run keeps its steps in a folder only.
+
+    Examples
+    --------
+    >>> try:  # doctest: +SKIP
+    ...     steps = ngcell.simulate(scene)
+    ... except ngcell.NotConverged as stopped:
+    ...     steps = stopped.steps
     """
 
-    def __init__(self, message: str, *, outcome: str, record_count: int) -> None:
+    def __init__(
+        self, message: str, *, outcome: str, steps: Iterable[Any] = (), record_count: int | None = None
+    ) -> None:
         super().__init__(message)
         self.outcome = outcome
-        self.record_count = record_count
+        self.steps: tuple[Any, ...] = tuple(steps)
+        self._record_count = record_count
+
+    @property
+    def record_count(self) -> int:
+        """Number of steps that were accepted before, all kept in the output folder if there is one."""
+        return len(self.steps) if self._record_count is None else self._record_count
 
 
 class OutputError(NgcellError):
