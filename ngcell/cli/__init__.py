@@ -1,6 +1,6 @@
-"""The command `ngcell`: one file for each verb; the only room that prints.
+"""The command `ngcell`: one file for each verb; the only package that prints.
 
-Everything heavy is imported inside the verbs, so that help and usage errors answer at once.
+NGSolve and the other large libraries are imported inside the verbs, so that help and usage errors answer at once.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ __all__ = ["ngcell"]
 
 
 class ErrorAnsweringGroup(click.Group):
-    """A group of verbs that answers an error of ngcell with its message and its exit code."""
+    """A group of verbs that ends with the message and the exit code of an error of ngcell."""
 
     def invoke(self, ctx: click.Context) -> object:
         try:
@@ -34,7 +34,7 @@ class ErrorAnsweringGroup(click.Group):
 def ngcell() -> None:
     """Simulate tissues of hollow cells that press, slide and part.
 
-    Exit codes: 0 converged and certified, 2 usage, 3 bad case, 4 not converged, not certified or not written.
+    Exit codes: 0 converged and certified, 2 wrong usage, 3 wrong case, 4 not converged, not certified or not written.
     """
 
 

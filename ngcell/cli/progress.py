@@ -1,4 +1,4 @@
-"""Progress of a run on stderr: on a terminal a live line for the step at work, elsewhere plain lines."""
+"""Progress of a run on stderr: a line for each accepted step and, on a terminal, a live line for the current one."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ def silent_progress() -> Iterator[ShowStep]:
 
 @contextmanager
 def step_progress() -> Iterator[ShowStep]:
-    """Show each accepted step as a line and, on a terminal, a live line for the step at work below them."""
+    """Show each accepted step as a line and, on a terminal, a live line for the current step below them."""
     console = _live_console()
     if console is None:
         yield lambda record: click.echo(step_line(record), err=True)
         return
-    with console.status("building the tissue") as status:
+    with console.status("building the scene") as status:
 
         def show(record: StepRecord) -> None:
             console.print(step_line(record), markup=False, soft_wrap=True)
@@ -42,7 +42,7 @@ def step_progress() -> Iterator[ShowStep]:
 
 def _live_console() -> Console | None:
     if not (sys.stderr.isatty() or os.environ.get("FORCE_COLOR") or os.environ.get("TTY_COMPATIBLE")):
-        return None  # as rich would say, without the time to load it
+        return None  # what rich would find out, without the time to import it
     from rich.console import Console
 
     console = Console(stderr=True, highlight=False)
@@ -52,7 +52,7 @@ def _live_console() -> Console | None:
 def step_line(record: StepRecord) -> str:
     """Return an accepted step in one line."""
     return (
-        f"step {record.step:3d}  {record.phase:7s}  load {record.load_factor:6.4f}  "
+        f"step {record.step:3d}  {record.phase:8s}  load {record.load_factor:6.4f}  "
         f"largest gap {record.largest_gap:10.3e}  parted {record.parted_pairs:4d}  "
         f"iterations {record.iterations:3d}  {record.seconds:6.1f} s"
         f"{'' if record.certified else '  not certified'}"

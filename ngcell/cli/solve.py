@@ -1,4 +1,4 @@
-"""`ngcell solve CASE`: follow the load path, show the steps, end with a verdict."""
+"""`ngcell solve CASE`: follow the load path, show each accepted step, end with the verdict of the certificate."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import gc
 import logging
 import sys
 from pathlib import Path
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 import click
 
@@ -15,6 +15,10 @@ from ngcell.cli.arguments import set_option
 from ngcell.cli.progress import silent_progress, step_progress
 from ngcell.cli.summary import summary_lines
 from ngcell.errors import NotConverged
+
+if TYPE_CHECKING:
+    from ngcell.run import Recording
+    from ngcell.scene import AnyCase
 
 
 @click.command()
@@ -25,12 +29,14 @@ from ngcell.errors import NotConverged
     "--resume",
     metavar="DIR",
     type=click.Path(exists=True, file_okay=False, path_type=Path),
-    help="Go on with the run that stopped in DIR, in place of a CASE.",
+    help="Resume the run that stopped in DIR; takes no CASE.",
 )
 @click.option("--threads", type=click.IntRange(min=1), help="Number of threads; default one for each core.")
-@click.option("--verify-penalty", is_flag=True, help="Repeat the last level with a stiffer penalty; report what moves.")
+@click.option(
+    "--verify-penalty", is_flag=True, help="Repeat the last level with a stiffer penalty and report what changes."
+)
 @click.option("--quiet", "-q", is_flag=True, help="Show no progress.")
-@click.option("--verbose", "-v", is_flag=True, help="Show what the solver logs.")
+@click.option("--verbose", "-v", is_flag=True, help="Show the log of the solver.")
 def solve(
     case: str | None,
     overrides: tuple[str, ...],
@@ -43,30 +49,22 @@ def solve(
 ) -> None:
     """Solve CASE, a TOML file or the name of a case that comes with ngcell.
 
-    The results are written as the run goes; a run that is stopped keeps every step that it accepted, and --resume
+    Results are written during the run: a run that is stopped keeps every step that it accepted, and --resume
     computes the rest.
     """
-    _look_rarely_for_cycles()
-    accepted = 0
-    if resume is not None:
-        if case is not None or overrides or out is not None:
-            raise click.UsageError("--resume DIR takes the case and the folder from DIR: no CASE, --set or --out")
-        folder, accepted = resume, _accepted_before(resume)
-    elif case is None:
-        raise click.UsageError("a CASE to solve, or --resume DIR, is missing")
-    else:
-        from ngcell.scene import case_name, find_case, read_case
-
-        scene = read_case(case, overrides)
-        folder = out or Path("out") / case_name(find_case(case))
+    _collect_garbage_rarely()
+    scene, folder, accepted = _task(case, overrides, out, resume)
     try:
         from ngcell import run
 
         with silent_progress() if quiet else step_progress() as show:
-            # After the live line has taken over stderr: a log handler made before would write across it.
+            # The log is opened after the live line has replaced stderr; a handler made before would write across it.
             _log_to_stderr(logging.INFO if verbose else logging.WARNING)
-            options = {"threads": threads, "verify_penalty": verify_penalty}
-            recording = run.resume(folder, **options) if resume else run.record(scene, folder, **options)
+            recording: Recording
+            if scene is None:
+                recording = run.resume(folder, threads=threads, verify_penalty=verify_penalty)
+            else:
+                recording = run.record(scene, folder, threads=threads, verify_penalty=verify_penalty)
             for record in recording:
                 accepted = record.step + 1
                 show(record)
@@ -80,8 +78,23 @@ def solve(
         _give_up("not certified", accepted, folder)
 
 
+def _task(
+    case: str | None, overrides: tuple[str, ...], out: Path | None, resume: Path | None
+) -> tuple[AnyCase | None, Path, int]:
+    """Return the case, None to resume a run, the result folder, and the number of steps accepted before."""
+    if resume is not None:
+        if case is not None or overrides or out is not None:
+            raise click.UsageError("--resume DIR takes the case and the folder from DIR: no CASE, --set or --out")
+        return None, resume, _accepted_before(resume)
+    if case is None:
+        raise click.UsageError("a CASE to solve, or --resume DIR, is missing")
+    from ngcell.scene import case_name, find_case, read_case
+
+    return read_case(case, overrides), out or Path("out") / case_name(find_case(case)), 0
+
+
 def _accepted_before(folder: Path) -> int:
-    """Return the number of accepted steps of a run that stopped; say so and end if there is nothing to resume."""
+    """Return the number of accepted steps of a stopped run; if it was not stopped, tell so and exit."""
     from ngcell.export.summary import read_summary
 
     summary = read_summary(folder)
@@ -91,11 +104,11 @@ def _accepted_before(folder: Path) -> int:
     return int(summary.get("accepted_steps") or 0)
 
 
-def _look_rarely_for_cycles() -> None:
-    # Imports and pictures make many objects, and a step leaves a few dozen in cycles: looking for them takes a tenth
-    # of a short run and frees nothing to speak of.
+def _collect_garbage_rarely() -> None:
+    # Imports and pictures allocate many objects, and a step leaves only a few dozen in reference cycles: the collector
+    # would take a tenth of a short run and free next to nothing.
     gc.set_threshold(1_000_000)
-    atexit.register(gc.freeze)  # and none need to be found at the end
+    atexit.register(gc.freeze)  # nor does it have to search at exit
 
 
 def _log_to_stderr(level: int) -> None:

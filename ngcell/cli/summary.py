@@ -1,4 +1,4 @@
-"""A run in a few lines of text: the outcome, the certificate, where the files are."""
+"""A run in a few lines of text: outcome, certificate, expected numbers, folder of the results."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ if TYPE_CHECKING:
 
 
 def summary_lines(recording: Recording, folder: Path) -> Iterator[str]:
-    """Yield what the terminal shows of a finished run: certificate and expected numbers."""
+    """Yield the lines that the terminal shows of a finished run."""
     yield f"outcome      {recording.outcome}"
-    in_balance = recording.certified or _missed_expected_only(recording.summary)
-    yield f"certificate  {'passed' if in_balance else 'NOT PASSED'}"
+    passed = recording.certified or _missed_expected_only(recording.summary)
+    yield f"certificate  {'passed' if passed else 'NOT PASSED'}"
     yield from table_lines(recording.summary.get("certificate", {}), indent=2)
     yield from expected_lines(recording.summary.get("expected", ()))
     yield from stiffer_lines(recording.summary.get("stiffer_penalty", {}))
@@ -22,13 +22,13 @@ def summary_lines(recording: Recording, folder: Path) -> Iterator[str]:
 
 
 def _missed_expected_only(summary: Mapping[str, Any]) -> bool:
-    """Return whether what a run is not certified for is an expected number, not a check."""
+    """Return whether every check passed, and a run is not certified for an expected number only."""
     missed = any(not finding["passed"] for finding in summary.get("expected", ()))
     return missed and not summary.get("failed_steps")
 
 
 def expected_lines(findings: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """Yield a table of what was measured beside what was expected; nothing where nothing was."""
+    """Yield a table of measured beside expected numbers; nothing if the case expects none."""
     if not findings:
         return
     missed = sum(not finding["passed"] for finding in findings)
@@ -45,11 +45,11 @@ def expected_lines(findings: Sequence[Mapping[str, Any]]) -> Iterator[str]:
 
 
 def stiffer_lines(table: Mapping[str, Any]) -> Iterator[str]:
-    """Yield what moves with a stiffer penalty; nothing where that was not asked for."""
+    """Yield how results change with a stiffer penalty; nothing if that was not asked for."""
     if "failed" in table:
         yield f"penalty      not verified: {table['failed']}"
     elif table:
-        yield f"penalty      the last level with penalty terms stiffer by {_shown(table['stiffness_factor'])}"
+        yield f"penalty      the last level with penalty terms {_shown(table['stiffness_factor'])} times as stiff"
         rows = {name: row for name, row in table.items() if isinstance(row, Mapping)}
         width = max(map(len, rows))
         for name, row in rows.items():

@@ -1,4 +1,4 @@
-"""`ngcell view DIR`: look at what a run left."""
+"""`ngcell view DIR`: show the result of a run."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ import click
 @click.option(
     "--clip",
     type=click.FloatRange(0, 1, min_open=True),
-    help="Show of bodies in three dimensions what lies below this share of their height.",
+    help="Cut three-dimensional bodies off above this share of their height.",
 )
 def view(folder: Path, screenshot: Path | None, clip: float | None) -> None:
-    """Show the deformed tissue that a run left in DIR."""
+    """Show the deformed tissue at the last snapshot of the run in DIR."""
     from ngcell.export import show
 
     picture = show(folder, screenshot=screenshot, clip=clip)

@@ -1,4 +1,4 @@
-"""The only room that writes files: tables, VTK series, pictures, the summary, and the folder that holds them.
+"""Results on disk: tables, VTK series, pictures, the summary, and the folder that holds them.
 
 VTK, pyvista and matplotlib are imported inside the functions that need them, so that a run starts fast.
 """

@@ -1,4 +1,4 @@
-"""Whole files that are there in full or not at all, and the one place that words a failed write."""
+"""Files that are written in full or not at all, and the message of a write that failed."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ngcell.errors import OutputError
 
 @contextmanager
 def output_errors(path: Path) -> Iterator[None]:
-    """Turn an `OSError` on the way to `path` into an `OutputError` of one line."""
+    """Turn an `OSError` while `path` is written into an `OutputError` of one line."""
     try:
         yield
     except OSError as error:
@@ -22,12 +22,12 @@ def output_errors(path: Path) -> Iterator[None]:
 
 
 def replace_file(path: Path, content: bytes) -> None:
-    """Write `path` so that a reader sees the old content or the new one, never a part.
+    """Write `path` so that a reader sees the old content or the new one, never a part of it.
 
     Raises
     ------
     OutputError
-        If the file cannot be written; what stood there before is kept.
+        If the file cannot be written; its old content is kept.
     """
     draft = path.with_name(f".{path.name}.tmp")
     with output_errors(path):

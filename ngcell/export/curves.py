@@ -1,8 +1,8 @@
-"""The gap curves of a run: how far the walls are apart, and how many pairs have parted, over the load."""
+"""The gap curves of a run: how far walls are apart, and how many wall pairs have parted, over the load."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,14 +16,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_LARGEST, _MEAN, _PARTED, _REFUSED = "#b3361e", "#1f5f8b", "#4a7a3a", "#d21f1f"
+_LARGEST, _MEAN, _PARTED, _FAILED = "#b3361e", "#1f5f8b", "#4a7a3a", "#d21f1f"
 
 
 def draw_curves(history: Sequence[StepRecord], path: Path, *, certified: bool, onset: float | None = None) -> Path:
-    """Draw largest and mean gap, and below them the number of parted wall pairs, against plate displacement.
+    """Draw largest and mean gap, and below them the number of parted wall pairs, over the plate displacement.
 
-    Steps of the tied phase are left out if any other is there: tied walls have no gap. Under a load that
-    moves no plate the curves run over the load factor.
+    Tied steps are left out if there is a released one, since tied walls have no gap. Under a load that moves no
+    plate the curves run over the load factor.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def draw_curves(history: Sequence[StepRecord], path: Path, *, certified: bool, o
         Whether the result passed every check; if not, the picture says so, and rings mark the steps that
         failed.
     onset : float, optional
-        Where fast growth of the gap starts, on the horizontal axis.
+        Plate displacement at which gaps start to grow; see `ngcell.results.growth`.
 
     Returns
     -------
@@ -47,10 +47,10 @@ def draw_curves(history: Sequence[StepRecord], path: Path, *, certified: bool, o
     OutputError
         If the file cannot be written.
     """
-    rows = [row for row in history if row.phase == "contact"] or list(history)
-    load, name = _load(rows)
+    rows = released_steps(history) or list(history)
+    load, name = load_axis(rows)
     figure, gaps, parted = _canvas(name)
-    refused = np.array([not row.certified for row in rows])
+    failed = np.array([not row.certified for row in rows])
     for axes, column, colour in (
         (gaps, "largest_gap", _LARGEST),
         (gaps, "mean_gap", _MEAN),
@@ -58,8 +58,8 @@ def draw_curves(history: Sequence[StepRecord], path: Path, *, certified: bool, o
     ):
         values = np.array([getattr(row, column) for row in rows], dtype=float)
         _draw(axes, load, values, label=column.replace("_", " "), colour=colour)
-        if refused.any():
-            _ring(axes, load[refused], values[refused])
+        if failed.any():
+            _ring(axes, load[failed], values[failed])
     _scale(gaps, parted, load)
     if onset is not None:
         _mark_onset((gaps, parted), onset)
@@ -69,7 +69,13 @@ def draw_curves(history: Sequence[StepRecord], path: Path, *, certified: bool, o
     return save_png(figure, path)
 
 
-def _load(rows: Sequence[StepRecord]) -> tuple[NDArray[Any], str]:
+def released_steps(history: Iterable[StepRecord]) -> list[StepRecord]:
+    """Return the steps whose walls are free to part."""
+    return [row for row in history if row.phase != "tied"]
+
+
+def load_axis(rows: Sequence[StepRecord]) -> tuple[NDArray[np.float64], str]:
+    """Return the load at each step and its name: the plate displacement or, if no plate moves, the load factor."""
     displacement = np.array([row.plate_displacement for row in rows])
     if displacement.any():
         return displacement, "plate displacement"
@@ -99,7 +105,7 @@ def _draw(axes: Axes, load: NDArray[Any], values: NDArray[Any], *, label: str, c
 
 
 def _ring(axes: Axes, load: NDArray[Any], values: NDArray[Any]) -> None:
-    axes.plot(load, values, "o", color=_REFUSED, fillstyle="none", markersize=9, markeredgewidth=1.3)
+    axes.plot(load, values, "o", color=_FAILED, fillstyle="none", markersize=9, markeredgewidth=1.3)
 
 
 def _scale(gaps: Axes, parted: Axes, load: NDArray[Any]) -> None:
@@ -111,14 +117,15 @@ def _scale(gaps: Axes, parted: Axes, load: NDArray[Any]) -> None:
     for axes in (gaps, parted):
         axes.margins(y=0.08)
     parted.yaxis.set_major_locator(MaxNLocator(nbins=5, integer=True))
-    top = max(1.0, 1.12 * max(line.get_ydata().max(initial=0.0) for line in parted.lines))
+    top = max(1.0, 1.12 * max(float(np.max(line.get_ydata(), initial=0.0)) for line in parted.lines))
     parted.set_ylim(-0.1 * top, top)
 
 
 def _mark_onset(panels: Sequence[Axes], onset: float) -> None:
     for axes in panels:
         axes.axvline(onset, color=SOFT_INK, linewidth=1.2, linestyle=(0, (4, 3)), zorder=1)
+    # Beside the legend, above the curves: inside the panel it would cross them.
     panels[0].annotate(
-        f"gaps grow from {onset:.3g}", (onset, 0.97), (6, 0), xycoords=("data", "axes fraction"),
-        textcoords="offset points", fontsize=10, color=NOTE_INK, va="top", rotation=90,
+        f"dashed: gaps grow from {onset:.3g}", (1, 1), (0, 12), xycoords="axes fraction",
+        textcoords="offset points", fontsize=10, color=NOTE_INK, ha="right",
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""How the tissue falls apart: open walls and connected components of cells over the load, and where each wall pair opened."""
+"""How the tissue comes apart: open walls and connected components of cells over the load, and where walls opened."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.export.curves import load_axis, released_steps
 from ngcell.export.picture import DPI, INK, SOFT_INK, mark_uncertified, save_png, style_axes
 from ngcell.results.record import StepRecord
 from ngcell.results.snapshot import Grid
@@ -17,26 +18,28 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-#: The two cells of a wall pair, and the plate displacement that opened it, NaN where none has.
+#: The two cells of a wall pair, and the plate displacement at which it opened, NaN if it has not.
 PairOnset = tuple[int, int, float]
 
-# Places of what is drawn, in shares of the figure: a layout that matplotlib has to find takes as long as all else.
-_SHARE, _COMPONENTS_BELOW = (0.063, 0.545, 0.36, 0.41), (0.063, 0.105, 0.36, 0.41)
-_PLAN, _BAR = (0.455, 0.06, 0.44, 0.86), (0.91, 0.165, 0.0155, 0.67)
+# Left, bottom, width and height of each panel as shares of the figure. They are fixed since matplotlib's automatic
+# layout takes as long as everything else.
+_SHARE_PANEL, _COMPONENTS_PANEL = (0.063, 0.545, 0.36, 0.41), (0.063, 0.105, 0.36, 0.41)
+_PLAN_PANEL, _BAR_PANEL = (0.455, 0.06, 0.44, 0.86), (0.91, 0.165, 0.0155, 0.67)
 _OPEN, _PARTED, _COMPONENTS, _LARGEST, _CLOSED = "#1f5f8b", "#4a7a3a", "#b3361e", "#c98a1b", "#d5d9df"
 
 
 def draw_debonding(
     history: Sequence[StepRecord], pairs: Sequence[PairOnset], cells: Grid, path: Path, *, certified: bool
 ) -> Path:
-    """Draw open walls and components over the load, and the walls at rest coloured by the displacement that opened them.
+    """Draw open walls and connected components over the load, and a plan of the walls, coloured by where they opened.
 
     Parameters
     ----------
     history : sequence of StepRecord
-        The accepted steps, at least one of them with contact.
+        The accepted steps, at least one of them released.
     pairs : sequence of (int, int, float)
-        The wall pairs at the last level.
+        The wall pairs at the last level: two cells, and the plate displacement at which their walls opened, NaN if
+        they have not.
     cells : Grid
         The bodies, with `cell_id`.
     path : Path
@@ -56,20 +59,16 @@ def draw_debonding(
     """
     from matplotlib.figure import Figure
 
-    rows = [row for row in history if row.phase == "contact"]
-    load = np.array([row.plate_displacement for row in rows])
-    name = "plate displacement"
-    if not load.any():
-        load, name = np.array([row.load_factor for row in rows]), "load factor"
+    rows = released_steps(history)
+    load, name = load_axis(rows)
     figure = Figure(figsize=(10.4, 4.6), dpi=DPI, facecolor="white")
-    share, components, plan = (figure.add_axes(place) for place in (_SHARE, _COMPONENTS_BELOW, _PLAN))
-    _curve(share, load, [row.opened_share for row in rows], "length of open walls", _OPEN)
-    _curve(share, load, [row.parted_pairs / max(len(pairs), 1) for row in rows], "parted wall pairs", _PARTED)
-    _curve(
-        components, load, [row.components for row in rows], "connected components of cells still joined", _COMPONENTS
-    )
+    share, components, plan = (figure.add_axes(place) for place in (_SHARE_PANEL, _COMPONENTS_PANEL, _PLAN_PANEL))
+    parted = [row.parted_pairs / max(len(pairs), 1) for row in rows]
+    _curve(share, load, [row.opened_share for row in rows], "open wall length", _OPEN)
+    _curve(share, load, parted, "parted wall pairs", _PARTED)
+    _curve(components, load, [row.components for row in rows], "connected components of cells", _COMPONENTS)
     _curve(components, load, [row.largest_component for row in rows], "cells in the largest", _LARGEST)
-    for axes, label in ((share, "share of all"), (components, "number")):
+    for axes, label in ((share, "share"), (components, "number")):
         style_axes(axes)
         axes.set_ylabel(label, color=INK)
         axes.yaxis.set_label_coords(-0.115, 0.5)
@@ -88,19 +87,19 @@ def _curve(axes: Axes, load: NDArray[Any], values: Sequence[float], label: str, 
 
 
 def _draw_plan(figure: Figure, axes: Axes, pairs: Sequence[PairOnset], cells: Grid) -> None:
-    """Draw each pair as the wall midway between its cells; those that stayed closed in grey.
+    """Draw each pair as the wall midway between its cells; those that have not opened in grey.
 
-    Layers of prisms are laid out side by side, the lowest first; a wall between two is a dot in the lower one.
+    Layers of prisms are laid out side by side, the lowest first; a wall between two layers is a dot in the lower one.
     """
     from matplotlib.cm import ScalarMappable
     from matplotlib.collections import LineCollection
     from matplotlib.colors import Normalize, to_rgba
 
     place, layer = _places(cells)
-    pairs = sorted(pairs, key=lambda pair: bool(np.isfinite(pair[2])))  # what opened is drawn above
+    pairs = sorted(pairs, key=lambda pair: bool(np.isfinite(pair[2])))  # opened walls are drawn above the grey ones
     first, second = (np.array([pair[end] for pair in pairs]) for end in range(2))
     one, two = place[first], place[second]
-    half = (two - one)[:, ::-1] * [-0.5, 0.5] / np.sqrt(3)  # a hexagon's wall
+    half = (two - one)[:, ::-1] * [-0.5, 0.5] / np.sqrt(3)  # half the side of a hexagon, across the line of centres
     lines = np.stack([(one + two) / 2 - half, (one + two) / 2 + half], axis=1)
     onset = np.array([onset for _, _, onset in pairs])
     opened, level = np.isfinite(onset), layer[first] == layer[second]
@@ -109,21 +108,21 @@ def _draw_plan(figure: Figure, axes: Axes, pairs: Sequence[PairOnset], cells: Gr
     colour = np.where(opened[:, None], shown.to_rgba(onset), to_rgba(_CLOSED))
     axes.add_collection(LineCollection(lines[level], colors=colour[level], linewidths=3.5))
     dots = np.where(layer[first] < layer[second], first, second)[~level]
-    axes.scatter(*place[dots].T, s=90, color=colour[~level])
+    axes.scatter(place[dots, 0], place[dots, 1], s=90, color=colour[~level])
     drawn = np.concatenate([lines[level].reshape(-1, 2), place[dots]])
     axes.set(xlim=_limits(drawn[:, 0]), ylim=_limits(drawn[:, 1]), aspect="equal")
     axes.set_axis_off()
-    axes.set_title(f"{int(opened.sum())} of {len(pairs)} wall pairs opened", fontsize=10.5, color=INK)
+    axes.set_title(f"{int(opened.sum())} of {len(pairs)} wall pairs have opened", fontsize=10.5, color=INK)
     if opened.any():
-        bar = figure.colorbar(shown, cax=figure.add_axes(_BAR))
-        bar.set_label("opened at", color=INK)
+        bar = figure.colorbar(shown, cax=figure.add_axes(_BAR_PANEL))
+        bar.set_label("opened at plate displacement", color=INK, labelpad=7)
         bar.outline.set(edgecolor=SOFT_INK, linewidth=0.8)
 
 
 def _places(cells: Grid) -> tuple[NDArray[np.float64], NDArray[np.integer]]:
-    """Return where cells are drawn, shape (cells, 2), and their layers, which are moved side by side.
+    """Return the places of cells in the plan, shape (cells, 2), and their layers, which stand side by side.
 
-    A cell is drawn at the mean place of its points at rest.
+    The place of a cell is the mean of its points in the reference state.
     """
     owner = np.repeat(np.ravel(cells.cell_data["cell_id"]), cells.cells.shape[1])
     count = np.bincount(owner)

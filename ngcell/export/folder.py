@@ -1,15 +1,13 @@
-"""The folder of a run: who owns it, what is in it, and that what was accepted stays in it.
+"""The folder of a run: every accepted step is in it, whatever ends the run.
 
-`summary.json` is the mark of ownership: it is the first file written, naming the program, and says `running`
-until the run ends, so that a killed run is recognised and its folder may be used again. A step is on disk
-when `accept` returns; a step that cannot be written in full is taken back. Until the run ends, `restart.npz` holds
-what it can be resumed from.
+A step is on disk when `accept` returns; a step that cannot be written in full is taken back. `summary.json` says
+`running` until the run ends, so that a killed run is recognised and its folder may be used again, and `restart.npz`
+holds until then what the run can be resumed from.
 """
 
 from __future__ import annotations
 
 import csv
-import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -22,28 +20,23 @@ from ngcell.errors import OutputError
 from ngcell.export.atomic import output_errors, replace_file
 from ngcell.export.curves import draw_curves
 from ngcell.export.debonding import PairOnset, draw_debonding
+from ngcell.export.ownership import PROGRAM, claim_folder, clear_folder
 from ngcell.export.picture import draw_tissue
 from ngcell.export.restart import RESTART, Restart, cannot_resume, write_restart
 from ngcell.export.series import SnapshotSeries, read_last_snapshot
-from ngcell.export.summary import SUMMARY, read_summary, write_summary
+from ngcell.export.summary import write_summary
 from ngcell.export.tables import RecordTable
 from ngcell.results.record import CellRecord, StepRecord, WallRecord
 from ngcell.results.report import StepReport
 from ngcell.results.snapshot import Snapshot
 
-_PROGRAM = "ngcell"
-_TABLES = {"history.csv": StepRecord, "walls.csv": WallRecord, "cells.csv": CellRecord}
-_DRAFT = re.compile(r"\..+\.tmp")
-_OWNED = re.compile(
-    r"case\.toml|(history|walls|cells)\.csv|restart\.npz|tissue\.pvd|(tissue|walls)_\d{4,}\.vtu|"
-    r"(tissue|gap|debonding)\.png|\..+\.tmp"
-)
+_TABLES = ("history.csv", "walls.csv", "cells.csv")
 
 
 class ResultFolder:
     """The folder of one run, open from its start to its end.
 
-    Entering makes the folder, removes what an earlier run left there, and starts the tables; other files are
+    Entering makes the folder, removes what an earlier run left there, and opens the tables; other files are
     not touched. Leaving without `finish` notes in the summary that the run was stopped, and why.
 
     Parameters
@@ -53,7 +46,7 @@ class ResultFolder:
     case_text : str, optional
         The resolved case, written as `case.toml`.
     restart : Restart, optional
-        Where the run that stopped in this folder stood; what it wrote until then is kept, and the run goes on.
+        Checkpoint of the run that stopped in this folder; what it wrote up to there is kept, and the run goes on.
 
     Raises
     ------
@@ -78,17 +71,24 @@ class ResultFolder:
         self._drawn = self._finished = False
 
     def __enter__(self) -> Self:
-        self._make()
+        claim_folder(self.path)
         if self._restart is not None:
             self._go_on(self._restart)
             return self
         self._note("running")
-        self._clear()
+        clear_folder(self.path)
         if self._case_text is not None:
             replace_file(self.path / "case.toml", self._case_text.encode())
-        self._steps, self._walls, self._cells = (RecordTable(self.path / name, kind) for name, kind in _TABLES.items())
+        self._open_tables({})
         self._series = SnapshotSeries(self.path)
         return self
+
+    def _open_tables(self, sizes: Mapping[str, int]) -> None:
+        """Open each table after its first bytes, or a new one where no size is given."""
+        history, walls, cells = (self.path / name for name in _TABLES)
+        self._steps = RecordTable(history, StepRecord, size=sizes.get(history.name))
+        self._walls = RecordTable(walls, WallRecord, size=sizes.get(walls.name))
+        self._cells = RecordTable(cells, CellRecord, size=sizes.get(cells.name))
 
     def _go_on(self, restart: Restart) -> None:
         self._series = SnapshotSeries(self.path, snapshots=restart.snapshots)
@@ -98,9 +98,7 @@ class ResultFolder:
             if not (self.path / name).is_file():
                 raise cannot_resume(self.path, f"{name} is missing")
         try:
-            self._steps, self._walls, self._cells = (
-                RecordTable(self.path / name, kind, size=restart.table_sizes[name]) for name, kind in _TABLES.items()
-            )
+            self._open_tables({name: restart.table_sizes[name] for name in _TABLES})
             self._pairs = _last_pairs(self.path / "walls.csv")
         except (OutputError, KeyError) as error:
             raise cannot_resume(self.path, str(error)) from error
@@ -129,15 +127,15 @@ class ResultFolder:
     ) -> None:
         """Put an accepted step on disk: its rows of walls and cells, its history row and, if given, its snapshot.
 
-        With `report`, what the summary will tell of it, and `checkpoint`, what the next step depends on, the run can be
-        resumed after this step.
+        The run can be resumed after this step if `report` is given, which the summary at the end is made of, and
+        `checkpoint`, the arrays that the next step depends on.
 
         Raises
         ------
         OutputError
             If a part cannot be written; the steps before it are kept, and the message says where.
         """
-        tables = self._walls, self._cells, self._steps
+        tables: tuple[RecordTable[Any], ...] = self._walls, self._cells, self._steps
         sizes = [table.size for table in tables]
         try:
             self._walls.append(*walls)
@@ -167,7 +165,7 @@ class ResultFolder:
             raise OutputError(f"{error}; {self._kept()}") from error
 
     def draw(self, *, title: str = "", certified: bool, onset: float | None = None) -> None:
-        """Draw `tissue.png` of the last snapshot, and `gap.png` and `debonding.png`, as far as there is what they show.
+        """Draw `tissue.png` of the last snapshot, `gap.png` and `debonding.png`; those without data are left out.
 
         Raises
         ------
@@ -206,36 +204,17 @@ class ResultFolder:
                     certified=bool(summary.get("certified")),
                     onset=summary.get("onset"),
                 )
-            write_summary(self.path, {"program": _PROGRAM, "status": "finished", **summary})
+            write_summary(self.path, {"program": PROGRAM, "status": "finished", **summary})
             with output_errors(self.path):
                 (self.path / RESTART).unlink(missing_ok=True)
         except OutputError as error:
             raise OutputError(f"{error}; {self._kept()}") from error
         self._finished = True
 
-    def _make(self) -> None:
-        try:
-            self.path.mkdir(parents=True, exist_ok=True)
-            names = [entry.name for entry in self.path.iterdir()]
-        except OSError as error:
-            raise OutputError(
-                f"cannot use {self.path} as the result folder: {error.strerror}; choose another folder"
-            ) from error
-        if not _is_ours(self.path, names):
-            raise OutputError(
-                f"{self.path} is not empty and holds no {_PROGRAM} result; choose another folder or empty it"
-            )
-
-    def _clear(self) -> None:
-        with output_errors(self.path):
-            for entry in self.path.iterdir():
-                if _OWNED.fullmatch(entry.name):
-                    entry.unlink()
-
     def _note(self, status: str, **more: Any) -> None:
         last = self._history[-1] if self._history else None
         progress = {
-            "program": _PROGRAM,
+            "program": PROGRAM,
             "status": status,
             "accepted_steps": len(self._history),
             "load_factor": last and last.load_factor,
@@ -251,16 +230,8 @@ class ResultFolder:
         return f"{count} accepted {subject} up to load factor {load:.6g} {verb} kept in {self.path}"
 
 
-def _is_ours(path: Path, names: Sequence[str]) -> bool:
-    if SUMMARY in names:
-        with suppress(OutputError):
-            return read_summary(path).get("program") == _PROGRAM
-        return False
-    return all(_DRAFT.fullmatch(name) for name in names)
-
-
 def _last_pairs(path: Path) -> list[PairOnset]:
-    """Return the wall pairs of the last level in a table."""
+    """Return the wall pairs, with their onsets, of the last level in a table."""
     with path.open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     last = [row for row in rows if row["step"] == rows[-1]["step"]]

@@ -1,8 +1,8 @@
 """The planar shape of cells: how a finite element is drawn, and the closed lines around each tissue cell.
 
-A tissue cell is the union of the elements with its number. An edge of that union is one that no second
-element of the same cell uses; such edges join to loops, outer ones counter-clockwise and those around a lumen
-clockwise. Points are compared by place, not by number, so elements need not share points.
+A tissue cell is the union of the elements with its number. An edge of an element is on the boundary of that union if
+no second element of the same cell has it. Such edges join to loops, outer ones counter-clockwise and those around a
+lumen clockwise. Points are compared by their coordinates, not by number, so elements need not share points.
 """
 
 from __future__ import annotations
@@ -97,12 +97,12 @@ def cell_loops(grid: Grid) -> list[Loop]:
 
 
 def _merged_corners(places: NDArray[Any], owner: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Number element corners so that those of one tissue cell at one place share a number.
+    """Number element corners so that coincident ones of the same tissue cell have the same number.
 
     Returns the first corner of each number, and the number of each corner.
     """
     size = float(np.ptp(places, axis=0).max(initial=0.0)) or 1.0
-    # The translation keeps points of a regular lattice away from the places where rounding is decided.
+    # The offset keeps the points of a regular lattice away from the halves, which round up or down by chance.
     rounded = np.round(places / size * 1e8 + 0.137).astype(np.int64)
     keys = np.column_stack([owner, rounded])
     _, first, number = np.unique(keys, axis=0, return_index=True, return_inverse=True)

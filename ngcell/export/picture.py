@@ -1,7 +1,7 @@
 """The picture of the deformed tissue.
 
-Drawn by matplotlib's Agg canvas, which needs neither display nor GPU nor OpenGL library. Paper white shows
-only outside the tissue and in open gaps: lumens are tinted, so that a gap is not taken for one.
+Matplotlib's Agg canvas draws it, which needs neither display nor GPU nor OpenGL library. Only the outside of the
+tissue and open gaps are white: lumens are tinted, so that a gap is not taken for one.
 """
 
 from __future__ import annotations
@@ -37,14 +37,14 @@ _WIDTH, _LEFT, _RIGHT, _BOTTOM, _TOP = 8.6, 0.72, 1.25, 0.62, 0.78  # of the fig
 
 
 def draw_tissue(snapshot: Snapshot, path: Path, *, title: str, certified: bool) -> Path:
-    """Draw the deformed tissue coloured by X displacement, over a faint outline of its reference state.
+    """Draw the deformed tissue coloured by X displacement, over a faint outline of the reference state.
 
     Cells that nothing holds are outlined by dashes. An uncertified result is labelled across the picture.
 
     Parameters
     ----------
     snapshot : Snapshot
-        A planar one, or one of prisms, which are seen from above.
+        A planar tissue, or one of prisms, which are seen from above.
     path : Path
         The PNG file.
     title : str
@@ -76,11 +76,12 @@ def draw_tissue(snapshot: Snapshot, path: Path, *, title: str, certified: bool) 
 
 
 def save_png(figure: Figure, path: Path) -> Path:
-    """Render a figure without a display and write it as PNG in one move."""
+    """Render a figure without a display and write it as PNG, in full or not at all."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     image = io.BytesIO()
-    FigureCanvasAgg(figure).print_png(image, pil_kwargs={"compress_type": zlib.Z_RLE})  # flat colours: runs of bytes
+    canvas: Any = FigureCanvasAgg(figure)  # its method is not annotated
+    canvas.print_png(image, pil_kwargs={"compress_type": zlib.Z_RLE})  # areas of one colour are runs of equal bytes
     replace_file(Path(path), image.getvalue())
     return Path(path)
 
@@ -96,14 +97,14 @@ def mark_uncertified(figure: Figure) -> None:
 
 
 def style_axes(axes: Axes) -> None:
-    """Quiet axes: two thin lines, small outward ticks."""
+    """Draw axes as two thin lines with small outward ticks."""
     axes.spines[["top", "right"]].set_visible(False)
     axes.spines[["left", "bottom"]].set(color=SOFT_INK, linewidth=0.8)
     axes.tick_params(colors=INK, labelsize=10, color=SOFT_INK, width=0.8)
 
 
 def _canvas(points: NDArray[Any]) -> tuple[Figure, Axes]:
-    """A figure whose axes have the proportions of what they show."""
+    """Return a figure and axes in the proportions of these points, shape (points, 2)."""
     from matplotlib.figure import Figure
 
     low, high = _window(points)
@@ -119,7 +120,7 @@ def _canvas(points: NDArray[Any]) -> tuple[Figure, Axes]:
 
 
 def _window(points: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Lower and upper corner of what is shown: all points, a margin, and neither too flat nor too slim."""
+    """Return the lower and upper corner of the axes: all points and a margin, widened if too flat or too slim."""
     low, high = points.min(axis=0), points.max(axis=0)
     middle, span = (low + high) / 2, 1.06 * (high - low)
     span = np.maximum(span, [0.65 * span[1], 0.3 * span[0]])
@@ -154,7 +155,7 @@ def _draw_bodies(axes: Axes, bulk: Grid, deformed: NDArray[Any], loops: Iterable
 
 
 def _draw_outlines(axes: Axes, bulk: Grid, deformed: NDArray[Any], loops: Iterable[Loop]) -> int:
-    """Outline every cell; return how many of them nothing holds."""
+    """Outline every cell, those held by nothing by dashes; return the number of these."""
     from matplotlib.collections import PolyCollection
 
     held = np.asarray(bulk.cell_data.get("free", np.zeros(len(bulk.cells)))) == 0

@@ -1,7 +1,7 @@
-"""What a stopped run goes on from: one small file, replaced in one move when a step is on disk.
+"""The checkpoint that a stopped run is resumed from: one small file, replaced after each accepted step.
 
-It says how long the tables were then, and which snapshots there were. What was written after it belongs to a step
-that is not known in full; a resumed run cuts it off and computes that step again.
+It holds the lengths of the tables and the list of snapshots at that moment. What the run wrote later belongs to a step
+that may be incomplete: a resumed run cuts it off and computes that step again.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ _CHECKPOINT = "checkpoint_"
 
 @dataclass(frozen=True, eq=False)
 class Restart:
-    """What a stopped run goes on from.
+    """What a stopped run is resumed from.
 
     Attributes
     ----------
     case_text : str
         The resolved case.
     checkpoint : mapping of str to array
-        Where the continuation stands: what the next step depends on.
+        State of the load stepping: the arrays that the next step depends on.
     reports : tuple of StepReport
         The accepted steps.
     table_sizes : mapping of str to int
@@ -52,7 +52,7 @@ class Restart:
 
 
 def write_restart(folder: Path, restart: Restart) -> None:
-    """Replace the restart file of `folder` in one move.
+    """Replace the restart file of `folder`, in full or not at all.
 
     Raises
     ------
@@ -66,8 +66,9 @@ def write_restart(folder: Path, restart: Restart) -> None:
         "snapshots": restart.snapshots,
     }
     content = io.BytesIO()
-    arrays = {f"{_CHECKPOINT}{name}": values for name, values in restart.checkpoint.items()}
-    np.savez(content, **{_NOTES: np.frombuffer(json.dumps(notes).encode(), dtype=np.uint8)}, **arrays)
+    arrays: dict[str, Any] = {f"{_CHECKPOINT}{name}": values for name, values in restart.checkpoint.items()}
+    arrays[_NOTES] = np.frombuffer(json.dumps(notes).encode(), dtype=np.uint8)
+    np.savez(content, **arrays)
     replace_file(Path(folder) / RESTART, content.getvalue())
 
 
@@ -100,7 +101,7 @@ def read_restart(folder: Path) -> Restart:
 
 
 def cannot_resume(folder: Path, reason: str) -> OutputError:
-    """Return the error that says so, and what to do instead."""
+    """Return the error that says why a run cannot be resumed, and what to do instead."""
     return OutputError(
         f"cannot resume {folder}: {reason}; start again with: ngcell solve {folder}/case.toml --out {folder}"
     )

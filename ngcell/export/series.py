@@ -1,8 +1,7 @@
 """A time series of snapshots that ParaView and pyvista open: `tissue.pvd` and its `.vtu` files.
 
-Only VTK's XML writer is loaded, not pyvista, because a third of the CPU time suffices to import it. The
-writer fills a string, and Python writes the file, so that a full disk shows as an error and never as half a
-file.
+Only VTK's XML writer is imported, not pyvista, which takes three times the processor time. The writer fills a string,
+and Python writes the file, so that a full disk shows as an error and never as half a file.
 """
 
 from __future__ import annotations
@@ -40,9 +39,9 @@ class _Entry:
 class SnapshotSeries:
     """Snapshots in a folder: `<name>_0000.vtu` (bodies), `walls_0000.vtu` (walls) and `<name>.pvd` over both.
 
-    In the `.pvd` the bodies are part 0 and the walls are part 1. The time of a snapshot is its plate
-    displacement, or its load factor (at last its step) if plate displacements do not increase from snapshot
-    to snapshot. Each file says in the field data `ngcell_verdict` whether its step is certified.
+    In the `.pvd` the bodies are part 0 and the walls are part 1. The time of a snapshot is its plate displacement if
+    that increases from snapshot to snapshot, else its load factor if that does, else the number of its step. The field
+    data `ngcell_verdict` of each file says whether its step is certified.
 
     Parameters
     ----------
@@ -120,8 +119,9 @@ def read_last_snapshot(folder: Path, name: str = "tissue") -> tuple[Snapshot, bo
         raise OutputError(f"{folder} holds no {path.name}: not a result, or no step was accepted")
     import pyvista
 
+    open_reader: Any = pyvista.get_reader  # it is not annotated
     try:
-        reader = pyvista.get_reader(path)
+        reader = open_reader(path)
         reader.set_active_time_value(reader.time_values[-1])
         bulk, walls = reader.read()
         labels = bulk.field_data
@@ -167,14 +167,15 @@ def _vtu(grid: Grid, labels: Mapping[str, Any]) -> bytes:
 
 
 def _vtk_grid(grid: Grid, labels: Mapping[str, Any]) -> vtkUnstructuredGrid:
-    from vtkmodules.util.numpy_support import numpy_to_vtkIdTypeArray
+    from vtkmodules.util import numpy_support
     from vtkmodules.vtkCommonCore import vtkPoints
     from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkUnstructuredGrid
 
     points, cells, result = vtkPoints(), vtkCellArray(), vtkUnstructuredGrid()
     points.SetData(_vtk_array("points", np.asarray(grid.points, dtype=np.float64)))
     connectivity = np.array(grid.cells, dtype=np.int64).ravel()
-    cells.SetData(grid.cells.shape[1], numpy_to_vtkIdTypeArray(connectivity, deep=True))
+    to_vtk: Any = numpy_support.numpy_to_vtkIdTypeArray  # it is not annotated
+    cells.SetData(grid.cells.shape[1], to_vtk(connectivity, deep=True))
     result.SetPoints(points)
     result.SetCells(grid.cell_type, cells)
     for data, place in (
@@ -193,10 +194,11 @@ def _vtk_arrays(data: Mapping[str, Any]) -> Iterator[Any]:
 
 
 def _vtk_array(name: str, values: NDArray[Any]) -> Any:
-    from vtkmodules.util.numpy_support import numpy_to_vtk
+    from vtkmodules.util import numpy_support
 
+    to_vtk: Any = numpy_support.numpy_to_vtk  # it is not annotated
     whole = np.asarray(values).dtype.kind in "bui"
-    array = numpy_to_vtk(np.ascontiguousarray(values, dtype=np.int64 if whole else np.float64), deep=True)
+    array = to_vtk(np.ascontiguousarray(values, dtype=np.int64 if whole else np.float64), deep=True)
     array.SetName(name)
     return array
 

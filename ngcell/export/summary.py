@@ -17,7 +17,7 @@ SUMMARY = "summary.json"
 
 
 def write_summary(folder: Path, summary: Mapping[str, Any]) -> None:
-    """Replace `summary.json` of `folder` in one move; a number that is not finite becomes null.
+    """Replace `summary.json` of `folder`, in full or not at all; a number that is not finite becomes null.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A look at the last snapshot of a result: a window where there is a display, else a picture."""
+"""The last snapshot of a result in a window or, without a display, in a picture."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ def show(folder: Path, screenshot: Path | None = None, clip: float | None = None
     folder : Path
         The result of a run, finished or not.
     screenshot : Path, optional
-        PNG file to write instead of opening a window. Without a display, and none given, it is `tissue.png`
-        in `folder`, for bodies in three dimensions `tissue-3d.png`.
+        PNG file to write instead of opening a window. By default there is a window; without a display,
+        `tissue.png` in `folder`, for three-dimensional bodies `tissue-3d.png`.
     clip : float, optional
-        Share of the height above which bodies in three dimensions are cut off, in (0, 1].
+        Share of the height above which three-dimensional bodies are cut off, in (0, 1].
 
     Returns
     -------
@@ -66,7 +66,7 @@ def _open_window(snapshot: Snapshot, title: str, certified: bool, clip: float | 
     bulk = snapshot.bulk
     mesh = pyvista.UnstructuredGrid({bulk.cell_type: bulk.cells}, bulk.points + bulk.point_data["displacement"])
     mesh["X displacement"] = bulk.point_data["displacement"][:, 0]
-    plotter: Any = pyvista.Plotter(title=title)  # its decorated methods lose their types
+    plotter: Any = pyvista.Plotter(title=title)  # its decorated methods have no types
     plotter.set_background("white")
     plotter.add_mesh(mesh, scalars="X displacement", cmap="viridis", lighting=False)
     plotter.add_mesh(mesh.extract_feature_edges(), color="black")

@@ -1,4 +1,4 @@
-"""Where the gap starts to grow: one definition for all curves."""
+"""Onset of gap growth: one definition for all curves."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ ONSET = 0.05
 
 
 def growth_onset(displacement: Sequence[float], mean_gap: Sequence[float], thickness: float) -> float | None:
-    """Return the plate displacement at which the mean gap reaches `ONSET` wall thicknesses, or None.
+    """Return the plate displacement at which the mean gap first reaches `ONSET` wall thicknesses; None if it does not.
 
-    The curve is taken as straight between the given points and the origin. It is None if the gap stays below.
+    The curve is interpolated linearly between the origin and the given points, so gaps count as closed before the
+    first step.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Where each wall pair opens: the same definition as for the whole tissue, pair by pair."""
+"""Onset of gap growth of each wall pair, by the definition of `ngcell.results.growth`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 class PairOnsets:
     """Plate displacements at which the mean gap of each pair first reaches `ONSET` wall thicknesses.
 
-    Gaps are taken as straight between the levels, and closed at the start.
+    Gaps are interpolated linearly between the levels, and are closed at the start.
 
     Attributes
     ----------
@@ -34,11 +34,11 @@ class PairOnsets:
 
     @classmethod
     def closed(cls, pairs: int) -> PairOnsets:
-        """Return the start, where no pair is open."""
+        """Return the initial state, in which no pair is open."""
         return cls(np.full(pairs, np.nan), 0.0, np.zeros(pairs))
 
     def after(self, displacement: float, gap: Array, thickness: float) -> PairOnsets:
-        """Return the onsets after one more level, with the wall's thickness [length]."""
+        """Return the onsets after one more level with these mean gaps, shape (pairs,), and wall thickness [length]."""
         mark, onset = ONSET * thickness, self.onset.copy()
         opened = np.isnan(onset) & (gap >= mark)
         before = np.minimum(self.gap[opened], mark)
@@ -47,11 +47,11 @@ class PairOnsets:
         return replace(self, onset=onset, at=displacement, gap=gap)
 
     def array(self) -> Array:
-        """Return it as one array."""
+        """Return onsets, gaps and the displacement as one array, shape (3, pairs)."""
         return np.array([self.onset, self.gap, np.full_like(self.gap, self.at)])
 
     @classmethod
     def from_array(cls, rows: Array) -> PairOnsets:
-        """Return what `array` was made of."""
+        """Return the onsets that `array` was made from."""
         onset, gap, at = rows
         return cls(onset, float(at.max(initial=0.0)), gap)

@@ -1,8 +1,8 @@
-"""The kinds of table row that a run leaves: one of an accepted step, one of a pair of walls in it, one of a cell.
+"""Rows of the tables of a run: one of an accepted step, one of a pair of facing walls, one of a cell.
 
 The fields, in this order, are the columns of `history.csv`, `walls.csv` and `cells.csv`. A gap is positive where two
 walls are apart and negative where they overlap; a contact pressure is never negative. Lengths have the unit of the
-case's `side`, stresses that of its material constants; a planar scene is taken one unit of length deep.
+case's `side`, stresses that of its material constants; a planar scene is one unit of length deep.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ class StepRecord:
     step : int
         Number of the accepted step, from 0.
     phase : {"tied", "contact"}
-        Whether the walls are tied to one tied solid, or are free to part.
+        Whether facing walls are tied, so that the cells are one solid, or are free to part.
     load_factor : float
         Share of the case's full load, in [0, 1].
     plate_displacement : float
@@ -31,9 +31,10 @@ class StepRecord:
     parted_pairs : int
         Number of wall pairs that are apart along the whole middle half of the wall.
     opened_share : float
-        Share of the facing wall length that is apart, in [0, 1].
+        Share of the facing wall length, in the reference state, that is apart, in [0, 1].
     components, largest_component : int
-        Number of connected components of cells joined by walls that have not parted, and number of cells in the largest.
+        Number of connected components of cells, joined by wall pairs that have not parted, and number of cells in the
+        largest.
     plate_force_x, plate_force_y : float
         Force that the moved plate exerts on the tissue [stress * length**2], positive along the axis.
     contact_force : float
@@ -43,17 +44,18 @@ class StepRecord:
     iterations, factorisations : int
         Newton iterations and matrix factorisations that this step took, cut-backs included.
     seconds : float
-        Time on the clock since the last accepted step [s].
+        Wall-clock time since the last accepted step [s].
     certified : bool
         Whether this step passed every check of the certificate.
     separation_energy : float
-        Energy that went into the separation of walls for good [stress * length**3], >= 0; 0 without cohesion.
+        Energy that the separation of bonded walls has consumed [stress * length**3], >= 0; 0 without cohesion.
     bonded_share : float
-        Share of the bonded wall length that never was opened beyond its strength, in [0, 1]; 0 without bonds.
+        Share of the bonded wall length whose traction has never reached the strength, in [0, 1]; 0 without bonds.
     dissipation : float
-        Energy lost since rest as walls snapped or were released at held plates [stress * length**3]; 0 without cohesion.
+        Energy lost since the reference state where walls snapped apart or were released while the plates stood still
+        [stress * length**3]; 0 without cohesion.
     plate_force_z : float
-        As the other forces of the moved plate; 0 in a planar scene.
+        Third component of the force of the moved plate [stress * length**2]; 0 in a planar scene.
     """
 
     step: int
@@ -83,7 +85,7 @@ class StepRecord:
 
 @dataclass(frozen=True, slots=True)
 class WallRecord:
-    """One pair of facing walls at one reported step: a row of `walls.csv`.
+    """One pair of facing walls at one load level: a row of `walls.csv`.
 
     Attributes
     ----------
@@ -94,7 +96,7 @@ class WallRecord:
     cell_a, cell_b : int
         Numbers of the two cells whose walls faced each other in the reference state.
     largest_gap, mean_gap : float
-        Normal gap along the wall [length], open > 0.
+        Normal gap along the wall [length], open > 0; the mean is weighted by wall length in the reference state.
     force : float
         Magnitude of the force between the two walls [stress * length**2], >= 0.
     opened_share : float
@@ -102,7 +104,7 @@ class WallRecord:
     parted : bool
         Whether the walls are apart along the whole middle half of the wall.
     component : int
-        Number of the connected component of cells still joined that `cell_a` belongs to.
+        Number of the connected component of cells that `cell_a` belongs to.
     onset : float
         Plate displacement at which the pair's mean gap first reached 5 % of the wall's thickness [length]; NaN where it
         has not.
@@ -123,7 +125,7 @@ class WallRecord:
 
 @dataclass(frozen=True, slots=True)
 class CellRecord:
-    """One cell at one reported step: a row of `cells.csv`.
+    """One cell at one load level: a row of `cells.csv`.
 
     Attributes
     ----------
@@ -136,14 +138,14 @@ class CellRecord:
     cell : int
         Number of the cell: row by row, the lowest row first, from 0.
     pressure : float
-        Pressure of what the cell holds [stress]: given, found as that of its fluid, or the mean one of its inclusion;
-        0 in an empty cell.
+        Pressure in the lumen [stress]: as prescribed, of the fluid as part of the solution, or the mean of the
+        inclusion; 0 in an empty cell.
     component : int
-        Number of the connected component of cells that it belongs to, joined by walls that have not parted.
+        Number of the connected component of cells that it belongs to, joined by wall pairs that have not parted.
     component_size : int
-        Number of cells of this component.
+        Number of cells in this component.
     held : bool
-        Whether anything holds the cell; one that floats has no place of its own.
+        Whether a support or a contact force holds the cell; one that floats has no place determined by equilibrium.
     """
 
     step: int

@@ -90,4 +90,4 @@ def test_live_line_on_a_terminal(monkeypatch: pytest.MonkeyPatch, capsys: pytest
         show(accepted_step(0, 0.25))
     shown = capsys.readouterr().err
     assert step_line(accepted_step(0, 0.25)) in shown
-    assert "building the tissue" in shown
+    assert "building the scene" in shown

@@ -33,7 +33,7 @@ def test_a_stiffer_penalty_moves_the_result_a_little_and_halves_the_overlap_at_l
     assert 0 < table["energy"]["change"] < 0.02
     assert table["penetration_over_wall"]["change"] < -0.4
     shown = "\n".join(summary_lines(recording, tmp_path))
-    assert "penalty terms stiffer by 10" in shown and "penetration over wall" in shown
+    assert "penalty terms 10 times as stiff" in shown and "penetration over wall" in shown
 
 
 def test_without_being_asked_a_run_solves_each_level_once(tmp_path: Path) -> None:
