@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from ngcell.contact.pairing.intersections import find_intersections, intersection_pairs
 
-from ngcell.contact.pairing.search import near_edges
-from ngcell.contact.surface.walls import Walls
+from ngcell.contact.pairing.intersections import find_intersections, intersection_pairs
+from ngcell.contact.pairing.near import near_facets
+from ngcell.contact.surface.surface import Surface
 from tests.contact.solids import blocks
 from tests.contact.test_solid_mortar import prisms
 
 REACH = 0.1
 
 
-def faced_area(walls: Walls, nodes: np.ndarray, carrier: int) -> float:
+def faced_area(walls: Surface, nodes: np.ndarray, carrier: int) -> float:
     """Area at rest of what faces the other body: the sum of all weights."""
-    edge, other = near_edges(walls, nodes, REACH)
+    edge, other = near_facets(walls, nodes, REACH)
     mine = walls.body[edge] == carrier
     intersections = find_intersections(walls, nodes, edge[mine], other[mine])
     return float(intersection_pairs(walls, nodes, intersections, REACH).weight.sum())
@@ -49,12 +49,13 @@ def test_shapes_of_both_sides_are_smooth_on_a_polygon():
     """All closest points of its points lie inside the other face, and nearest to no other."""
     bodies = blocks(1)
     nodes = bodies.walls.nodes(bodies.space.rest + np.array([0.07, 0.03, -0.01])[:, None] * bodies.upper)
-    edge, other = near_edges(bodies.walls, nodes, REACH)
+    edge, other = near_facets(bodies.walls, nodes, REACH)
     mine = bodies.walls.body[edge] == 0
     found = intersection_pairs(
         bodies.walls, nodes, find_intersections(bodies.walls, nodes, edge[mine], other[mine]), REACH
     )
-    for xi in (found.here, found.xi):
+    for xi in (found.primary_xi, found.secondary_xi):
         assert (xi > 0).all() and (xi.sum(1) < 1).all()
-    away = bodies.walls.places(found.edge, found.here, nodes) - bodies.walls.places(found.other, found.xi, nodes)
+    own = bodies.walls.places(found.primary, found.primary_xi, nodes)
+    away = own - bodies.walls.places(found.secondary, found.secondary_xi, nodes)
     np.testing.assert_allclose(away, [[0, 0, 0.01]] * len(away), atol=1e-12)

@@ -220,11 +220,11 @@ def test_contact_forces_of_the_points_are_the_forces_without_the_cuts(order):
 
 
 def pressures_of_a_flat_overlap(order: int) -> tuple[Stack, np.ndarray, np.ndarray, float]:
-    """Pressures at all quadrature points, which of these lie between the blocks, and what the penalty terms push with."""
+    """Pressures at all quadrature points, which of these lie between the blocks, and those of the penalty terms."""
     stack = blocks((0.3, 0.17), order=order)
     contact, positions = stack.contact, stack.positions(stack.upper_moved((0.0, -1e-3)))
     points = stack.walls.quadrature
-    place = stack.walls.places(points.edge, points.xi, stack.walls.rest)
+    place = stack.walls.places(points.facet, points.xi, stack.walls.rest)
     carrier = contact.stiffness[stack.walls.body == int(np.argmin(contact._rank))][0]
     return stack, contact.pressures(positions, points), np.abs(place[:, 1] - 0.5) < 1e-12, 1e-3 * carrier
 
@@ -234,8 +234,8 @@ def test_the_pressure_of_a_pair_is_the_same_on_both_its_walls(order):
     """A uniform gap is one of the space, so a uniform pressure comes out of it."""
     stack, pressure, between, applied = pressures_of_a_flat_overlap(order)
     points = stack.walls.quadrature
-    inside = between & (np.abs(stack.walls.places(points.edge, points.xi, stack.walls.rest)[:, 0]) < 0.49)
-    assert set(stack.walls.body[points.edge[inside]]) == {0, 1}
+    inside = between & (np.abs(stack.walls.places(points.facet, points.xi, stack.walls.rest)[:, 0]) < 0.49)
+    assert set(stack.walls.body[points.facet[inside]]) == {0, 1}
     np.testing.assert_allclose(pressure[inside], applied, rtol=1e-9)
     assert (pressure >= 0).all()
 

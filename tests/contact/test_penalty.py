@@ -79,7 +79,7 @@ def test_pressures_integrate_to_the_force():
     contact = tissue.contact.pair(positions)
     kinematics = contact.kinematics
     pressure = 2 * contact.contact_forces(positions) / kinematics.pairs.weight
-    on_left = tissue.walls.body[kinematics.pairs.edge] == 0
+    on_left = tissue.walls.body[kinematics.pairs.primary] == 0
     total = (pressure * kinematics.pairs.weight)[on_left].sum()
     stiffness = LAW.plane_strain_modulus / tissue.walls.depth[0]
     assert pressure.max() == pytest.approx(stiffness * 0.002, rel=1e-9)

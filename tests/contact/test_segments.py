@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ngcell.contact.pairing.search import NearEdges
-from ngcell.contact.pairing.segments import FACING, Segments, find_segments, segment_pairs
+from ngcell.contact.pairing.near import FACING, NearFacets
+from ngcell.contact.pairing.segments import Segments, find_segments, segment_pairs
 from tests.contact.stacks import REACH, Stack, blocks, rings
 from tests.tissues import rotation
 
@@ -18,7 +18,7 @@ def segments_of(stack: Stack, displacement: np.ndarray, carrier: int) -> tuple[S
     """The segments on the walls of one body, and the deformed nodes."""
     walls = stack.walls
     nodes = walls.nodes(stack.positions(displacement))
-    edge, other = NearEdges(walls, REACH).pairs(nodes)
+    edge, other = NearFacets(walls, REACH).pairs(nodes)
     mine = walls.body[edge] == carrier
     return find_segments(walls, nodes, edge[mine], other[mine]), nodes
 
@@ -32,7 +32,7 @@ def facing_length(stack: Stack, displacement: np.ndarray, carrier: int) -> float
 
 def uncovered(segments: Segments, edge: int) -> tuple[float, float]:
     """Share of an edge that no segment covers, and share that several do."""
-    intervals = np.sort(segments.at[segments.edge == edge], axis=1)
+    intervals = np.sort(segments.at[segments.primary == edge], axis=1)
     intervals = intervals[np.argsort(intervals[:, 0])]
     start, end = np.append(intervals[:, 0], 1.0), np.insert(np.maximum.accumulate(intervals[:, 1]), 0, 0.0)
     return float(np.maximum(start - end, 0).sum()), float(np.maximum(end - start, 0)[:-1].sum())
@@ -61,7 +61,7 @@ def test_segments_lie_side_by_side(sizes, slide):
     stack = blocks(sizes)
     segments, nodes = segments_of(stack, stack.upper_moved((slide, 0.0)), carrier=0)
     assert ((segments.at >= 0) & (segments.at <= 1)).all()
-    for edge in np.unique(segments.edge):
+    for edge in np.unique(segments.primary):
         gap, twice = uncovered(segments, edge)
         right = nodes[edge, [0, -1], 0]
         behind = np.clip((slide - 0.5 - right.min()) / np.ptp(right), 0, 1)  # what the upper block has left behind
@@ -75,10 +75,10 @@ def test_shapes_of_both_sides_are_smooth_on_a_segment(order):
     stack = blocks(FINER_ABOVE, order=order)
     segments, nodes = segments_of(stack, stack.upper_moved((0.07, -0.01)), carrier=0)
     points, cuts = segment_pairs(stack.walls, nodes, segments, REACH)
-    assert ((points.xi > 0) & (points.xi < 1)).all()
-    assert set(cuts.xi) <= {0.0, 1.0}
-    foot = stack.walls.places(cuts.other, cuts.xi, nodes)
-    place = stack.walls.places(cuts.edge, cuts.here, nodes)
+    assert ((points.secondary_xi > 0) & (points.secondary_xi < 1)).all()
+    assert set(cuts.secondary_xi) <= {0.0, 1.0}
+    foot = stack.walls.places(cuts.secondary, cuts.secondary_xi, nodes)
+    place = stack.walls.places(cuts.primary, cuts.primary_xi, nodes)
     np.testing.assert_allclose(place[:, 0], foot[:, 0], atol=1e-12)
 
 
@@ -87,7 +87,7 @@ def test_cuts_say_how_fast_the_facing_length_grows():
     for slide, rate in ((0.21, -1.0), (-0.21, 1.0)):
         segments, nodes = segments_of(stack, stack.upper_moved((slide, 0.0)), carrier=0)
         _, cuts = segment_pairs(stack.walls, nodes, segments, REACH)
-        along = nodes[cuts.edge, -1, 0] - nodes[cuts.edge, 0, 0]
+        along = nodes[cuts.primary, -1, 0] - nodes[cuts.primary, 0, 0]
         assert (cuts.weight / along).sum() == pytest.approx(rate, abs=1e-12)
 
 
@@ -109,9 +109,9 @@ def test_walls_that_do_not_face_have_no_segments(angle):
     turn = stack.space.affine(rotation(angle) - np.eye(2), np.zeros(2)).ravel()
     segments, nodes = segments_of(stack, turn, carrier=0)
     normal = stack.walls.chord_normals(nodes)
-    assert (np.einsum("sd,sd->s", normal[segments.edge], normal[segments.other]) < FACING).all()
+    assert (np.einsum("sd,sd->s", normal[segments.primary], normal[segments.secondary]) < FACING).all()
     # At rest the lower block's top faces the upper block's bottom; sides stand flush and face nothing.
-    rest = stack.walls.rest[segments.edge]
+    rest = stack.walls.rest[segments.primary]
     assert len(rest) and np.abs(rest[..., 1] - 0.5).max() < 1e-12
 
 
@@ -119,6 +119,6 @@ def test_walls_out_of_reach_have_no_points():
     stack = blocks(FINER_BELOW)
     at = stack.upper_moved((0.0, 1.01 * REACH))
     segments, nodes = segments_of(stack, at, carrier=0)
-    assert len(segments.edge)
+    assert len(segments.primary)
     points, cuts = segment_pairs(stack.walls, nodes, segments, REACH)
     assert len(points) == len(cuts) == 0
