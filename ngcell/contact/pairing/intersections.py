@@ -117,7 +117,7 @@ def _clipped(polygon: Array, start: Array, end: Array, tolerance: Array) -> Arra
     order = np.argsort(~taken, axis=1, kind="stable")
     number = np.minimum(np.arange(most + 1), np.maximum(taken.sum(1) - 1, 0)[:, None])
     kept = np.take_along_axis(corners, np.take_along_axis(order, number, axis=1)[..., None], axis=1)
-    return np.where(taken.any(1)[:, None, None], kept, kept[:, :1])
+    return np.where(np.any(taken, axis=1)[:, None, None], kept, kept[:, :1])
 
 
 def _points(polygon: Array, count: int) -> tuple[Array, Array, Index]:
