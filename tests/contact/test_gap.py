@@ -13,7 +13,7 @@ STEPS = np.array([2e-3, 1e-3, 5e-4])
 
 
 def bent_pair(order: int, depth: float, dent: float = 0.0, aside: float = 0.2) -> tuple[SmallTissue, np.ndarray]:
-    """Two bent cells, the right one pushed into the left one and aside, and their displacement.
+    """Two bent cells, the right one pressed into the left one and aside, and their displacement.
 
     Each of them has the middle node of the wall between them moved in by `dent`.
     """

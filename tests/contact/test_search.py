@@ -52,7 +52,7 @@ def test_walls_overlap_exactly_where_their_points_lie_inside_the_other_cell(tran
     np.testing.assert_allclose(overlap, expected, atol=1e-12)
 
 
-def test_a_point_that_slid_past_the_end_of_an_outline_carries_no_force():
+def test_a_point_that_slid_past_the_end_of_an_outline_is_without_force():
     base = small_tissue(1, 2, edges=5)
     right = np.argmax(base.lattice.normals[:, 0])
     facing = np.zeros((2, 6), dtype=bool)
@@ -66,7 +66,7 @@ def test_a_point_that_slid_past_the_end_of_an_outline_carries_no_force():
     y = walls.places(pairs.primary, pairs.primary_xi, walls.nodes(positions))[:, 1]
     both = (y > -0.1) & (y < 0.5)
     np.testing.assert_allclose(gap[both], -0.05, atol=1e-12)
-    # No further aside than deep, the end itself still pushes; beyond that nothing does.
+    # No further aside than deep, a contact force acts on the end itself; beyond that there is none.
     assert (gap[(y < -0.1 - 0.051) | (y > 0.5 + 0.051)] >= 0).all()
 
 

@@ -27,7 +27,7 @@ def prisms(order: int, edges: int = 2) -> Pair:
 
 
 def pressed(bodies: Pair, normal_force: float) -> Assembly:
-    """Contact with multipliers that push, each of its own."""
+    """Contact with multipliers above 0, each of its own."""
     stiffness = penalty_stiffness(bodies.walls, np.full(2, LAW.plane_strain_modulus), 10.0)
     contact = MortarContact(bodies.walls, stiffness, 0.4)
     size = contact.space.size

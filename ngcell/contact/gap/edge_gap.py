@@ -50,9 +50,9 @@ class EdgeGap:
         a, t = vectors
         speed = np.linalg.norm(t, axis=1)[:, None]
         height = _height(a, t, side)[:, None]
-        side, slid = side[:, None], (correction * _along(a, t))[:, None]
-        by_offset = side * np.column_stack([t[:, 1], -t[:, 0]]) / speed - slid * t
-        by_tangent = side * np.column_stack([-a[:, 1], a[:, 0]]) / speed - height * t / speed**2 - slid * a
+        side, curved = side[:, None], (correction * _along(a, t))[:, None]
+        by_offset = side * np.column_stack([t[:, 1], -t[:, 0]]) / speed - curved * t
+        by_tangent = side * np.column_stack([-a[:, 1], a[:, 0]]) / speed - height * t / speed**2 - curved * a
         end = pairs.at_end
         by_offset[end] = a[end] / gap[end, None]
         by_tangent[end] = 0
@@ -125,13 +125,13 @@ def _foot_curvature(a: Array, t: Array, side: Array) -> Array:
     """Second derivative of ``c / s`` with ``c = a x t`` and ``s = |t|``."""
     speed = np.linalg.norm(t, axis=1)[:, None, None]
     cross = (a[:, 0] * t[:, 1] - a[:, 1] * t[:, 0])[:, None, None]
-    turn = np.array([[0.0, 1.0], [-1.0, 0.0]])
+    quarter_turn = np.array([[0.0, 1.0], [-1.0, 0.0]])
     cross_slope = np.column_stack([t[:, 1], -t[:, 0], -a[:, 1], a[:, 0]])
     direction = t / speed[:, 0]
     speed_slope = np.column_stack([np.zeros_like(a), direction])
     block = np.zeros((len(a), 4, 4))
-    block[:, :2, 2:] = turn / speed
-    block[:, 2:, :2] = turn.T / speed
+    block[:, :2, 2:] = quarter_turn / speed
+    block[:, 2:, :2] = quarter_turn.T / speed
     mixed = cross_slope[:, :, None] * speed_slope[:, None, :]
     block -= (mixed + mixed.transpose(0, 2, 1)) / speed**2
     block += 2 * cross / speed**3 * speed_slope[:, :, None] * speed_slope[:, None, :]

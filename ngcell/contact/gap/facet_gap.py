@@ -6,10 +6,11 @@ With ``a`` from the closest secondary point to the primary point, and ``t``, ``t
     g = sign sqrt(|a|^2 - c (a . t)^2)                                         (foot of a normal on a side)
     g = sign |a|                                                               (corner)
 
-The second terms are what the wall curves away when the true foot slides. With the metric G of the tangents, the second
-derivatives of the wall along the outward normal B, and the gap g, all frozen where the contact pair was found,
-``M = G^-1 B (G - g B)^-1``; with the second derivative t_s of the side's curve, ``c = 1 / (|t|^2 - a . t_s)``. So g and
-its first two derivatives are those of the distance to the curved wall itself, as in the plane.
+The second terms, with the curvature corrections M and c, are what the wall curves away when the true foot slides. With
+the metric G of the tangents, the second derivatives B of the wall along the outward normal, and the gap g, all frozen
+where the contact pair was found, ``M = G^-1 B (G - g B)^-1``; with the second derivative t_s of the side's curve,
+``c = 1 / (|t|^2 - a . t_s)``. So g and its first two derivatives are those of the distance to the curved wall itself,
+as in the plane.
 """
 
 from __future__ import annotations
@@ -129,9 +130,9 @@ def _foot_gap(side: Array, correction: Array, a: Array, t: Array, t_two: Array) 
 
 def _foot_slope(side: Array, correction: Array, a: Array, t: Array, t_two: Array) -> Array:
     volume_slope, area_slope, volume, area = _volume_over_area(a, t, t_two)
-    slid_slope, pull = _slid(correction, a, t, t_two)
+    along_slope, pull = _along(correction, a, t, t_two)
     height = side[:, None] * (volume_slope / area - volume / area**2 * area_slope)
-    return np.asarray(height - np.einsum("na,nai->ni", pull, slid_slope))
+    return np.asarray(height - np.einsum("na,nai->ni", pull, along_slope))
 
 
 def _foot_curvature(side: Array, correction: Array, a: Array, t: Array, t_two: Array) -> Array:
@@ -155,13 +156,13 @@ def _foot_curvature(side: Array, correction: Array, a: Array, t: Array, t_two: A
     squares = area_slope[:, :, None] * area_slope[:, None, :]
     height = volume_bend / area - (mixed + mixed.transpose(0, 2, 1)) / area**2
     height += 2 * volume / area**3 * squares - volume / area**2 * area_bend
-    slid_slope, pull = _slid(correction, a, t, t_two)
-    slid = slid_slope.transpose(0, 2, 1) @ correction @ slid_slope
+    along_slope, pull = _along(correction, a, t, t_two)
+    curved = along_slope.transpose(0, 2, 1) @ correction @ along_slope
     for number in range(2):
         where = slice(3 + 3 * number, 6 + 3 * number)
-        slid[:, :3, where] += pull[:, number, None, None] * np.eye(3)
-        slid[:, where, :3] += pull[:, number, None, None] * np.eye(3)
-    return np.asarray(side[:, None, None] * height - slid)
+        curved[:, :3, where] += pull[:, number, None, None] * np.eye(3)
+        curved[:, where, :3] += pull[:, number, None, None] * np.eye(3)
+    return np.asarray(side[:, None, None] * height - curved)
 
 
 def _volume_over_area(a: Array, t: Array, t_two: Array) -> tuple[Array, Array, Array, Array]:
@@ -173,7 +174,7 @@ def _volume_over_area(a: Array, t: Array, t_two: Array) -> tuple[Array, Array, A
     return volume_slope, area_slope, np.einsum("nd,nd->n", a, normal)[:, None], area
 
 
-def _slid(correction: Array, a: Array, t: Array, t_two: Array) -> tuple[Array, Array]:
+def _along(correction: Array, a: Array, t: Array, t_two: Array) -> tuple[Array, Array]:
     """Return the derivatives of s, (n, 2, 9), and ``M s``, (n, 2)."""
     slope, nothing = np.zeros((len(a), 2, 9)), np.zeros_like(a)
     slope[:, 0] = np.column_stack([t, a, nothing])

@@ -1,4 +1,4 @@
-"""What it adds to a weighted gap that its segments end at vertices of the other wall, which slide along."""
+"""What the ends of segments add to weighted gaps: vertices of the other wall, which slide along with it."""
 
 from __future__ import annotations
 

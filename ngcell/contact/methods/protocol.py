@@ -1,8 +1,8 @@
 """What a contact method offers, whichever it is. A further method is one new file with these two classes.
 
-Signs and measures: a gap is positive where walls are apart. A push is never negative; it acts along the gap's
-derivative and drives walls apart. A contact pressure, a push for each length, is taken for each *reference* length here
-and turned into the true pressure where it is reported.
+Signs and measures: a gap is positive where walls are apart. A contact force is never negative; it acts along the gap's
+derivative and drives walls apart. A contact pressure is nominal, a force per *reference* length or area, and turned
+into the true pressure where it is reported.
 """
 
 from __future__ import annotations
