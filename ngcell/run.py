@@ -216,7 +216,7 @@ def inspect(case: AnyCase) -> dict[str, Any]:
         "order": simulation.space.order,
         "unknowns": simulation.space.unknowns,
         "free_unknowns": int(assembly.free.sum()),
-        "wall_edges": simulation.walls.edge_count,
+        "wall_edges": simulation.walls.facet_count,
         "facing_pairs": len(simulation.scene.facing.pairs),
         "three_cell_corners": count_corners(simulation.walls),
         "largest_initial_gap": float(gap.max(initial=0.0)),

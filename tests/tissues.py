@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
-from ngcell.contact.surface.walls import Walls, find_walls
+from ngcell.contact.surface.find import find_surface
+from ngcell.contact.surface.surface import Surface
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.lattice import Lattice, hexagonal_lattice
 from ngcell.geometry.rings import ring_mesh
@@ -39,8 +40,8 @@ class SmallTissue:
     motion: PrescribedMotion
 
     @cached_property
-    def walls(self) -> Walls:
-        return find_walls(self.bodies, self.space.scalar, self.space.rest)
+    def walls(self) -> Surface:
+        return find_surface(self.bodies, self.space.scalar, self.space.rest)
 
     @cached_property
     def bulk(self) -> BulkEnergy:

@@ -16,7 +16,7 @@ from threadpoolctl import threadpool_limits
 
 import ngcell
 from ngcell.build.simulation import Simulation
-from ngcell.contact.surface.walls import WallPoints
+from ngcell.contact.surface.surface import SurfacePoints
 
 #: Places on each edge at which pressures are compared.
 PLACES = np.linspace(0.01, 0.99, 9)
@@ -45,8 +45,8 @@ def main(rows: int, cols: int, wall: float, pressure: float, ratio: float, conta
     simulation = Simulation(case)
     with threadpool_limits(1):
         (step,) = simulation.accepted_steps()
-    edge = np.unique(simulation.scene.facing.edge)
-    points = WallPoints(np.repeat(edge, len(PLACES)), np.tile(PLACES, len(edge)), np.zeros(len(PLACES) * len(edge)))
+    edge = np.unique(simulation.scene.facing.facet)
+    points = SurfacePoints(np.repeat(edge, len(PLACES)), np.tile(PLACES, len(edge)), np.zeros(len(PLACES) * len(edge)))
     found = simulation.released.contact.pressures(simulation.released.positions(step.displacement), points) / pressure
     click.echo(
         f"{rows}x{cols} cells, pressure {pressure:g}: contact pressure over it {found.min():.6f} to {found.max():.6f}, "

@@ -75,9 +75,9 @@ def pressed(approach: float, size: float, *, order: int = 2) -> Pressed:
     walls, released = simulation.walls, simulation.released
     points = walls.quadrature
     pressure = released.contact.pressures(released.positions(step.displacement), points)
-    place = walls.places(points.edge, points.xi, walls.rest)
-    normal_force = (pressure * points.weight)[walls.body[points.edge] == 0]
-    square = (place[:, :2] ** 2).sum(1)[walls.body[points.edge] == 0]
+    place = walls.places(points.facet, points.xi, walls.rest)
+    normal_force = (pressure * points.weight)[walls.body[points.facet] == 0]
+    square = (place[:, :2] ** 2).sum(1)[walls.body[points.facet] == 0]
     force = 4 * step.record.contact_force
     radius = sqrt(2.5 * float(normal_force @ square / normal_force.sum()))
     return Pressed(force, radius, 1.5 * force / (pi * radius**2))

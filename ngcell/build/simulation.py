@@ -21,7 +21,7 @@ from ngcell.contact.methods.stages import contact_stages
 from ngcell.contact.pairing.facing import find_facing
 from ngcell.contact.methods.protocol import ContactMethod
 from ngcell.problem.tie import Tie, tie_walls
-from ngcell.contact.surface.walls import find_walls
+from ngcell.contact.surface.find import find_surface
 from ngcell.mechanics.bulk import BulkEnergy
 from ngcell.build.observation import Observer, Step
 from ngcell.results.measure import Scene
@@ -67,7 +67,7 @@ class Simulation:
         with self.clock.phase("meshing"):
             self.discretisation = draw_up(scene)
             self.bodies, self.space = self.discretisation.bodies, self.discretisation.space
-            self.walls = find_walls(self.bodies, self.space.scalar, self.space.rest)
+            self.walls = find_surface(self.bodies, self.space.scalar, self.space.rest)
         drawn = self.discretisation
         self.bulk = BulkEnergy(self.space, drawn.laws, drawn.loads, drawn.filling, drawn.fibre_direction)
         self.motion = self.discretisation.motion

@@ -5,6 +5,8 @@ scipy's k-d tree and graph routines would do, but loading them takes longer than
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,9 +20,9 @@ _MOST_BOXES = {2: 2**30, 3: 2**20}
 def near_pairs(points: Array, reach: float) -> tuple[Index, Index]:
     """Return all pairs of points at most `reach` [length] apart, each once, the lower number first, sorted.
 
-    The points are sorted into boxes of side `reach`. A contact pair is in the same row of boxes, in this box or the next
-    one, or in a row beside it (in the plane the one above, in three dimensions one of four), in one of three boxes: all are ranges
-    of the sorted points.
+    The points are sorted into boxes of side `reach`, row by row. The second point of a pair is in the same row of boxes
+    as the first, in its box or the next one, or in a row beside (in the plane the one above, in three dimensions one of
+    four), in one of three boxes: all are ranges of the sorted points.
 
     Parameters
     ----------
@@ -33,14 +35,11 @@ def near_pairs(points: Array, reach: float) -> tuple[Index, Index]:
         return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
     low, high = points.min(0), points.max(0)
     side = max(reach, float((high - low).max()) / _MOST_BOXES[points.shape[1]])
-    column, *rows = np.floor((points - low) / side).astype(np.int64).T
-    width = int(column.max()) + 3  # an empty box on either side keeps rows apart
-    row, beside = rows[0], [width]
-    if len(rows) == 2:
-        depth = int(row.max()) + 3
-        row = (rows[1] * depth + row) + 1
-        beside = [width, *(width * (depth + translation) for translation in (-1, 0, 1))]
-    box = row * width + column + 1
+    boxes = np.floor((points - low) / side).astype(np.int64) + 1
+    widths = boxes.max(0) + 2  # an empty box on either side keeps rows apart
+    strides = np.cumprod([1, *widths[:-1]])
+    box = boxes @ strides
+    rows = (int(np.dot(step, strides[1:])) for step in product((-1, 0, 1), repeat=len(strides) - 1))
     order = np.argsort(box, kind="stable")
     box = box[order]
     place = np.arange(len(box))
@@ -51,7 +50,8 @@ def near_pairs(points: Array, reach: float) -> tuple[Index, Index]:
             np.searchsorted(box, box + translation - 1, "left"),
             np.searchsorted(box, box + translation + 1, "right"),
         )
-        for translation in beside
+        for translation in rows
+        if translation > 0
     ]
     one, two = (order[np.concatenate(parts)] for parts in zip(*found, strict=True))
     near = ((points[one] - points[two]) ** 2).sum(1) <= reach**2

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ngcell.problem.rotation import finite_rotation_update
 from ngcell.contact.methods.protocol import ContactMethod
 from ngcell.mechanics.bulk import BulkEnergy
 from ngcell.mechanics.space import DisplacementSpace, csr_matrix
+from ngcell.problem.rotation import finite_rotation_update
 from ngcell.problem.state import Linearisation, State
 from ngcell.problem.tie import Tie
 

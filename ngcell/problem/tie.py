@@ -1,7 +1,7 @@
 """The tied solid: coincident walls tied exactly, by identifying their unknowns.
 
-Two wall edges that coincide have the same polynomials; in NGSolve's hierarchical basis an unknown of one edge is then
-plus or minus one unknown of the other (the sign of an odd bubble turns with the orientation of the edge). The
+Two facets that coincide have the same polynomials; in NGSolve's hierarchical basis an unknown of one facet is then
+plus or minus one unknown of the other (the sign of an odd bubble changes with the orientation of the facet). The
 relation is read off the sampled shape functions, so it holds for every order, and chains of identifications
 (three cells at a corner) are closed as connected components. No penalty term, no multiplier, no parameter.
 """
@@ -13,13 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.surface.walls import Walls
+from ngcell.contact.surface.surface import Surface
 from ngcell.geometry.near import components, near_pairs
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-#: Distance, in edge lengths, below which two nodes coincide.
+#: Distance, in sizes of facets, below which two nodes coincide.
 COINCIDENCE = 1e-6
 
 
@@ -44,30 +44,24 @@ class Tie:
         return bool((self.master == np.arange(len(self.master))).all())
 
 
-def coincident_edges(walls: Walls) -> Index:
-    """Return the pairs of edges of different bodies that coincide in the reference state, shape (pairs, 2)."""
-    middle = walls.basis.values(walls.basis.centre[None])[0] @ walls.rest
-    length = np.linalg.norm(walls.rest[:, -1] - walls.rest[:, 0], axis=1)
-    one, two = near_pairs(middle, COINCIDENCE * length.min())
+def coincident_facets(walls: Surface) -> Index:
+    """Return the pairs of facets of different bodies that coincide in the reference state, shape (pairs, 2)."""
+    one, two = near_pairs(walls.centres(walls.rest), COINCIDENCE * walls.sizes.min())
     _, apart = _matched(walls, one, two)
-    same = (walls.body[one] != walls.body[two]) & (apart < COINCIDENCE * length[one])
+    same = (walls.body[one] != walls.body[two]) & (apart < COINCIDENCE * walls.sizes[one])
     return np.column_stack([one[same], two[same]])
 
 
-def _matched(walls: Walls, one: Index, two: Index) -> tuple[Index, Array]:
-    """Return the node of `two` at each node of `one`, (pairs, nodes), and the largest distance of such nodes."""
-    if walls.dimension == 2:
-        nodes = np.tile(np.arange(walls.basis.order, -1, -1), (len(one), 1))
-    else:
-        nodes = np.linalg.norm(walls.rest[one][:, :, None] - walls.rest[two][:, None], axis=3).argmin(2)
-    there = np.take_along_axis(walls.rest[two], nodes[:, :, None], axis=1)
-    return nodes, np.linalg.norm(walls.rest[one] - there, axis=2).max(1)
+def _matched(walls: Surface, one: Index, two: Index) -> tuple[Index, Array]:
+    """Return the node of `two` nearest to each node of `one`, (pairs, nodes), and the largest distance of those."""
+    away = np.linalg.norm(walls.rest[one][:, :, None] - walls.rest[two][:, None], axis=3)
+    return away.argmin(2), away.min(2).max(1)
 
 
-def tie_walls(walls: Walls, size: int) -> Tie:
-    """Tie all coincident edges; `size` is the number of scalar unknowns."""
-    one, two = coincident_edges(walls).T
-    # Nodal values run in opposite directions along the two edges: nodal[one] u = reverse(nodal[two] u').
+def tie_walls(walls: Surface, size: int) -> Tie:
+    """Tie all coincident facets; `size` is the number of scalar unknowns."""
+    one, two = coincident_facets(walls).T
+    # Facets of two bodies are oriented differently; nodal values are the same: nodal[one] u = nodal[two][nodes] u'.
     nodes, _ = _matched(walls, one, two)
     relation = np.linalg.solve(np.take_along_axis(walls.nodal[two], nodes[:, :, None], axis=1), walls.nodal[one])
     pair, mine, theirs = np.nonzero(np.abs(relation.transpose(0, 2, 1)) > 0.5)
@@ -77,7 +71,7 @@ def tie_walls(walls: Walls, size: int) -> Tie:
     master = np.full(component.max() + 1, size)
     np.minimum.at(master, component, np.arange(size))
     master = master[component]
-    # Each unknown stands twice, for +u and for -u; whichever of them is connected with its master tells the sign.
+    # Each unknown occurs twice, for +u and for -u; whichever of them is connected with its master tells the sign.
     opposite = np.where(sign > 0, 0, size)
     links = np.concatenate([row, row + size]), np.concatenate([column + opposite, column + (size - opposite)])
     signed = components(2 * size, *links)

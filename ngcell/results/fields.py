@@ -12,7 +12,7 @@ import ngsolve
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.surface.walls import Walls
+from ngcell.contact.surface.surface import Surface
 from ngcell.errors import GeometryError
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.problem.assembly import Assembly
@@ -30,7 +30,7 @@ def take_snapshot(
     assembly: Assembly,
     displacement: Array,
     *,
-    walls: Walls,
+    walls: Surface,
     step: int,
     load_factor: float,
     plate_displacement: float,
@@ -47,7 +47,7 @@ def take_snapshot(
         The bodies, all of elements of one kind.
     displacement : array of float, shape (unknowns,)
         The displacement [length]; in a tied assembly slaves follow their masters.
-    walls : Walls
+    walls : Surface
         The walls to show.
     step : int
         Number of the accepted step, from 0.
@@ -134,7 +134,7 @@ def _bulk_grid(
     )
 
 
-def _walls_grid(walls: Walls, displacement: Array, gap: Array, contact_pressure: Array) -> Grid:
+def _walls_grid(walls: Surface, displacement: Array, gap: Array, contact_pressure: Array) -> Grid:
     """Return one quadratic cell a wall edge."""
     pattern = wall_pattern(walls)
     order = pattern.cells[0]
@@ -142,7 +142,7 @@ def _walls_grid(walls: Walls, displacement: Array, gap: Array, contact_pressure:
     moved = walls.nodes(displacement.reshape(walls.dimension, -1))
     return Grid(
         points=_three_components((at_nodes @ walls.rest).reshape(-1, walls.dimension)),
-        cells=np.arange(len(order) * walls.edge_count).reshape(-1, len(order)),
+        cells=np.arange(len(order) * walls.facet_count).reshape(-1, len(order)),
         cell_type=pattern.cell_type,
         point_data={
             "displacement": _three_components((at_nodes @ moved).reshape(-1, walls.dimension)),

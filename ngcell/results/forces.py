@@ -65,7 +65,7 @@ def contact_forces(assembly: Assembly, state: State) -> ContactForces:
     closed = normal_force > 0
     force = normal_force[closed, None] * slopes[closed, :dimension]
     body = assembly.contact.walls.body
-    mine, theirs = body[pairs.edge[closed]], body[pairs.other[closed]]
+    mine, theirs = body[pairs.primary[closed]], body[pairs.secondary[closed]]
     on_lower = np.where((mine < theirs)[:, None], force, -force)
     key = np.minimum(mine, theirs) * count + np.maximum(mine, theirs)
     if assembly.bonds is not None:

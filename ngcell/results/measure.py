@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.contact.pairing.facing import FacingWalls
-from ngcell.contact.surface.walls import Walls
+from ngcell.contact.surface.surface import Surface
 from ngcell.geometry.near import components
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.problem.assembly import Assembly
@@ -32,7 +32,7 @@ class Scene:
 
     Attributes
     ----------
-    walls : Walls
+    walls : Surface
         All walls.
     facing : FacingWalls
         Pairs that face each other at rest.
@@ -44,7 +44,7 @@ class Scene:
         Displacement of that support at load factor 1 [length].
     """
 
-    walls: Walls
+    walls: Surface
     facing: FacingWalls
     motion: PrescribedMotion
     moved: str

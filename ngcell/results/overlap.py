@@ -1,187 +1,41 @@
-"""How deep bodies lie inside each other, found from their outlines alone.
-
-This shares nothing with the contact search: wall edges are chained by common unknowns to closed outlines,
-each body becomes a polygon, and points of every wall are tested against the polygons of all other bodies. An
-outline's holes count only where they are walls. A hollow cell whose lumen is no wall is filled: a cell that
-it swallowed overlaps it. A body whose outline is not walls all around becomes the polygon of all its boundaries.
-
-A polygon follows each edge by `_CHORDS` chords, so a depth is right to about the edge's sagitta / `_CHORDS`**2.
-"""
+"""How deep bodies lie inside each other, measured without the contact search: by outlines, or by closed surfaces."""
 
 from __future__ import annotations
 
-from collections import defaultdict
-from dataclasses import replace
-from weakref import WeakKeyDictionary
+from functools import singledispatch
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
-from ngcell.contact.surface.walls import Walls, find_walls
+from ngcell.contact.surface.edges import EdgeSurface
+from ngcell.contact.surface.facets import FacetSurface
+from ngcell.contact.surface.surface import Surface
 from ngcell.mechanics.space import DisplacementSpace
+from ngcell.results.outline_overlap import deepest_overlap_of_faces
+from ngcell.results.solid_overlap import deepest_overlap_of_solids
 
 Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-
-#: Straight pieces that stand for one curved edge.
-_CHORDS = 16
 
 
-def deepest_overlap_of_bodies(space: DisplacementSpace, walls: Walls, positions: Array) -> float:
-    """Return the largest depth [length], >= 0, by which a wall point of a body lies inside another body, in the plane
-    or in three dimensions.
-
-    Parameters
-    ----------
-    space : DisplacementSpace
-        The unknowns.
-    walls : Walls
-        The walls.
-    positions : array of float, shape (dimension, scalar unknowns)
-        Deformed positions as unknowns [length].
-    """
-    if walls.dimension == 3:
-        from ngcell.results.solid_overlap import deepest_overlap_of_solids
-
-        return deepest_overlap_of_solids(space, walls, positions)
-    whole = _all_boundaries(space, walls)
-    return deepest_overlap(walls, walls.nodes(positions), whole and (whole, whole.nodes(positions)))
-
-
-def _all_boundaries(space: DisplacementSpace, walls: Walls) -> Walls | None:
-    """Return the boundaries of all bodies as if they were walls; None where walls go all around."""
-    if walls not in _boundaries:
-        everywhere = has_all_outlines(walls, space.bodies.body_count)
-        all_names = replace(space.bodies, wall_names=".*")
-        _boundaries[walls] = None if everywhere else find_walls(all_names, space.scalar, space.rest)
-    return _boundaries[walls]
-
-
-#: What was found of walls that are still in use.
-_boundaries: WeakKeyDictionary[Walls, Walls | None] = WeakKeyDictionary()
-
-
-def deepest_overlap(walls: Walls, nodes: Array, whole: tuple[Walls, Array] | None = None) -> float:
+def deepest_overlap_of_bodies(space: DisplacementSpace, walls: Surface, positions: Array) -> float:
     """Return the largest depth [length], >= 0, by which a wall point of a body lies inside another body.
 
     Parameters
     ----------
-    walls : Walls
-        The walls.
-    nodes : array of float, shape (edges, order + 1, 2)
-        Deformed positions of their Lagrange nodes [length].
-    whole : tuple of Walls and array, optional
-        All boundaries of all bodies as if they were walls, and their nodes.
-
-    Notes
-    -----
-    A depth is the distance to the nearest wall of the body that the point lies in. Each edge has
-    `2 order + 1` points; a tip of another shape between them is not seen. Without `whole`, a body whose outer boundary
-    is not wholly walls has no inside here: its points are tested, but none is tested against it.
+    space : DisplacementSpace
+        The unknowns of the bodies.
+    walls : Surface
+        Their walls.
+    positions : array of float, shape (dimension, scalar unknowns)
+        Deformed positions as unknowns [length].
     """
-    bodies, polygons = _polygons(walls, nodes)
-    if whole is not None:
-        further, more = _polygons(*whole)
-        is_new = ~np.isin(further, bodies)
-        bodies, polygons = np.append(bodies, further[is_new]), np.append(polygons, more[is_new])
-    places, owner = _wall_points(walls, nodes)
-    place, polygon = shapely.STRtree(polygons).query(shapely.points(places))
-    foreign = owner[place] != bodies[polygon]
-    place, polygon = place[foreign], polygon[foreign]
-    shapely.prepare(polygons)
-    inside = shapely.contains_xy(polygons[polygon], *places[place].T)
-    outlines = _outline_of_each(walls, nodes, bodies, polygons)[polygon[inside]]
-    depth = shapely.distance(outlines, shapely.points(places[place[inside]]))
-    return float(depth.max(initial=0.0))
+    return _deepest_overlap(walls, space, positions)
 
 
-def _outline_of_each(walls: Walls, nodes: Array, bodies: Index, polygons: NDArray[np.object_]) -> NDArray[np.object_]:
-    """Return the walls of each body as lines, and all of its boundary where it has no walls."""
-    order = np.argsort(walls.body, kind="stable")
-    present, number = np.unique(walls.body[order], return_inverse=True)
-    values = walls.basis.values(np.linspace(0, 1, _chords(walls) + 1))
-    lines = shapely.multilinestrings(shapely.linestrings(values @ nodes[order]), indices=number)
-    outlines = shapely.boundary(polygons)
-    has_walls = np.isin(bodies, present)
-    outlines[has_walls] = lines[np.searchsorted(present, bodies[has_walls])]
-    return np.asarray(outlines)
+@singledispatch
+def _deepest_overlap(walls: Surface, space: DisplacementSpace, positions: Array) -> float:
+    raise NotImplementedError(type(walls))
 
 
-def _chords(walls: Walls) -> int:
-    return 1 if walls.basis.order == 1 else _CHORDS
-
-
-def has_all_outlines(walls: Walls, body_count: int) -> bool:
-    """Return whether the walls go all around each body."""
-    return len(_outlines(walls)[0]) == body_count
-
-
-def _wall_points(walls: Walls, nodes: Array) -> tuple[Array, Index]:
-    """Return points of all walls, shape (points, 2), and the body of each."""
-    count = 2 * walls.basis.order + 1
-    values = walls.basis.values(np.linspace(0, 1, count))
-    return (values @ nodes).reshape(-1, 2), np.repeat(walls.body, count)
-
-
-def _polygons(walls: Walls, nodes: Array) -> tuple[Index, NDArray[np.object_]]:
-    """Return the bodies with a closed outline, shape (bodies,), and their deformed polygons."""
-    values = walls.basis.values(np.linspace(0, 1, _chords(walls) + 1)[:-1])
-    lines = values @ _anticlockwise(walls, nodes)
-    shells, holes = _outlines(walls)
-    polygons = [
-        shapely.Polygon(lines[shell].reshape(-1, 2), [lines[hole].reshape(-1, 2) for hole in holes[body]])
-        for body, shell in shells.items()
-    ]
-    return np.array(list(shells), dtype=np.int64), np.array(polygons, dtype=object)
-
-
-def _outlines(walls: Walls) -> tuple[dict[int, Index], dict[int, list[Index]]]:
-    """Return the edges around each body in order, and those around its holes.
-
-    A loop with the body on its left runs anticlockwise around the body, and clockwise around a hole.
-    """
-    corners = _anticlockwise(walls, walls.rest)[:, 0]
-    shells: dict[int, Index] = {}
-    holes: dict[int, list[Index]] = defaultdict(list)
-    for loop in _closed_loops(walls):
-        body = int(walls.body[loop[0]])
-        if _signed_area(corners[loop]) > 0:
-            shells[body] = loop
-        else:
-            holes[body].append(loop)
-    return shells, holes
-
-
-def _closed_loops(walls: Walls) -> list[Index]:
-    following = _following(walls).tolist()
-    unseen = dict.fromkeys(range(walls.edge_count))
-    loops = []
-    while unseen:
-        chain = [unseen.popitem()[0]]
-        while following[chain[-1]] in unseen:
-            chain.append(following[chain[-1]])
-            del unseen[chain[-1]]
-        if following[chain[-1]] == chain[0]:
-            loops.append(np.array(chain))
-    return loops
-
-
-def _following(walls: Walls) -> Index:
-    """Return the edge that starts where each edge ends, with its body on the left, or -1; shape (edges,)."""
-    ends = np.abs(walls.nodal[:, [0, -1]]).argmax(2)  # only the unknown of a vertex is not 0 there
-    vertex = np.take_along_axis(walls.dofs, ends, axis=1)
-    start, end = np.where(walls.side[:, None] > 0, vertex, vertex[:, ::-1]).T
-    starting = np.full(walls.dofs.max(initial=-1) + 1, -1)
-    starting[start] = np.arange(walls.edge_count)
-    return np.asarray(starting[end])
-
-
-def _anticlockwise(walls: Walls, nodes: Array) -> Array:
-    """Return the nodes of each edge in the order that has its body on the left."""
-    return np.where(walls.side[:, None, None] > 0, nodes, nodes[:, ::-1])
-
-
-def _signed_area(corners: Array) -> float:
-    following = np.roll(corners, -1, axis=0)
-    return float(np.sum(corners[:, 0] * following[:, 1] - corners[:, 1] * following[:, 0])) / 2
+_deepest_overlap.register(EdgeSurface, deepest_overlap_of_faces)
+_deepest_overlap.register(FacetSurface, deepest_overlap_of_solids)

@@ -1,19 +1,23 @@
 """How elements are drawn: points in their reference coordinates, and the VTK cells that join these.
 
 Up to order 2 one VTK cell shows one element without loss of displacement. In the plane an element takes 2 x 2 cells
-from order 3 on, whose points have exact values while VTK's quadratics in between do not; in three dimensions it stays one cell.
+from order 3 on, whose points have exact values while VTK's quadratics in between do not; in three dimensions it stays
+one cell.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import singledispatch
 
 import ngsolve
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.surface.walls import Walls
+from ngcell.contact.surface.edges import EdgeSurface
+from ngcell.contact.surface.facets import FacetSurface
+from ngcell.contact.surface.surface import Surface
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -26,8 +30,8 @@ _QUADRATIC_TETRA, _TRIQUADRATIC_HEXAHEDRON, _BIQUADRATIC_WEDGE = 24, 29, 32
 _QUAD_NODES = np.array([(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1), (1, 1)])
 _TRIANGLE_NODES = np.array([(0, 0), (2, 0), (0, 2), (1, 0), (1, 1), (0, 1)])
 
-#: Corners of cells in three dimensions, in reference coordinates, and which of them VTK's further nodes are in the middle of:
-#: first edges, then sides, then the whole.
+#: Corners of cells in three dimensions, in reference coordinates, and which of them VTK's further nodes are in the
+#: middle of: first edges, then sides, then the whole.
 _TETRA_CORNERS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
 _TETRA_MIDDLES = [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)]
 _WEDGE_CORNERS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (0, 1, 1)]
@@ -70,10 +74,19 @@ def pattern_of(kind: ngsolve.ET, order: int) -> Pattern:
     }[kind]()
 
 
-def wall_pattern(walls: Walls) -> Pattern:
-    """Return how walls are drawn: one cell each; VTK lists an edge's two ends first and its middle last."""
-    if walls.dimension == 2:
-        return Pattern(np.array([0.0, 0.5, 1.0]), np.array([[0, 2, 1]]), _QUADRATIC_EDGE)
+@singledispatch
+def wall_pattern(walls: Surface) -> Pattern:
+    """Return how walls are drawn: one cell a facet; VTK lists an edge's two ends first and its middle last."""
+    raise NotImplementedError(type(walls))
+
+
+@wall_pattern.register
+def _(walls: EdgeSurface) -> Pattern:
+    return Pattern(np.array([0.0, 0.5, 1.0]), np.array([[0, 2, 1]]), _QUADRATIC_EDGE)
+
+
+@wall_pattern.register
+def _(walls: FacetSurface) -> Pattern:
     if walls.basis.corner_count == 3:
         return Pattern(_TRIANGLE_NODES / 2, np.arange(6)[None], _QUADRATIC_TRIANGLE)
     return Pattern(_QUAD_NODES / 2, np.arange(9)[None], _BIQUADRATIC_QUAD)

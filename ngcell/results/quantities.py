@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.contact.pairing.search import nearest_on_body
-from ngcell.contact.surface.walls import WallPoints, Walls, find_walls
+from ngcell.contact.surface.find import find_surface
+from ngcell.contact.surface.surface import Surface, SurfacePoints
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.problem.assembly import Assembly
 from ngcell.problem.state import State
@@ -51,7 +52,7 @@ class View:
     reaction: Array
 
     @cached_property
-    def walls(self) -> Walls:
+    def walls(self) -> Surface:
         """The walls in contact."""
         assert self.assembly.contact is not None
         return self.assembly.contact.walls
@@ -76,10 +77,10 @@ class View:
         """Return the wall edges of a boundary."""
         return np.flatnonzero(self.boundary_of_edge == boundary)
 
-    def outline(self, boundary: str) -> Walls:
+    def outline(self, boundary: str) -> Surface:
         """Return any boundary, wall or not, as edges."""
         space = self.assembly.space
-        return find_walls(replace(space.bodies, wall_names=boundary), space.scalar, space.rest)
+        return find_surface(replace(space.bodies, wall_names=boundary), space.scalar, space.rest)
 
     def nominal_pressures(self, boundary: str) -> tuple[Array, Array, Array]:
         """Return pressures at points of a wall and the length that each point stands for.
@@ -89,7 +90,7 @@ class View:
         edge, xi = np.repeat(self.edges(boundary), _PER_EDGE), (np.arange(_PER_EDGE) + 0.5) / _PER_EDGE
         xi = np.tile(xi, len(edge) // _PER_EDGE)
         assert self.assembly.contact is not None
-        pressure = self.assembly.contact.pressures(self.positions, WallPoints(edge, xi, np.zeros(len(edge))))
+        pressure = self.assembly.contact.pressures(self.positions, SurfacePoints(edge, xi, np.zeros(len(edge))))
         at_rest, deformed = (_speed(self.walls, nodes, edge, xi) / _PER_EDGE for nodes in (self.walls.rest, self.nodes))
         return pressure, at_rest, deformed
 
@@ -139,7 +140,7 @@ def normal_force(view: View, one: str, two: str) -> float:
     if view.state.contact is None:
         return 0.0
     pairs = view.state.contact.kinematics.pairs
-    mine, theirs = view.boundary_of_edge[pairs.edge], view.boundary_of_edge[pairs.other]
+    mine, theirs = view.boundary_of_edge[pairs.primary], view.boundary_of_edge[pairs.secondary]
     between = ((mine == one) & (theirs == two)) | ((mine == two) & (theirs == one))
     return float(view.state.contact.contact_forces(view.positions)[between].sum())
 
@@ -195,13 +196,13 @@ QUANTITIES: dict[str, Callable[..., float]] = {
 }
 
 
-def _lengths(walls: Walls, nodes: Array) -> Array:
+def _lengths(walls: Surface, nodes: Array) -> Array:
     """Return the deformed length that each quadrature point stands for, shape (edges, points) [length]."""
     slopes = walls.basis.values(walls.quadrature_points, 1)
     speed, at_rest = (np.linalg.norm(slopes @ places, axis=2) for places in (nodes, walls.rest))
     return np.asarray(walls.weights * speed / at_rest)
 
 
-def _speed(walls: Walls, nodes: Array, edge: Index, xi: Array) -> Array:
+def _speed(walls: Surface, nodes: Array, edge: Index, xi: Array) -> Array:
     """Return the length of the tangent at points of edges [length]."""
     return np.asarray(np.linalg.norm(np.einsum("pi,pid->pd", walls.basis.values(xi, 1), nodes[edge]), axis=1))

@@ -1,9 +1,9 @@
 """How deep solid bodies lie inside each other, found from their surfaces alone.
 
-As in the plane (`ngcell.results.overlap`) this shares nothing with the contact search: the whole surface of each body,
-walls or not, becomes a closed polyhedron, and points of every wall are tested against the polyhedra of all other
-bodies. A polyhedron follows each face by triangles, so a depth is right to about the face's sagitta over the square of
-their number along a side; where points seem to lie deepest, it is followed more finely.
+As in the plane (`ngcell.results.outline_overlap`) this shares nothing with the contact search: the whole surface of
+each body, walls or not, becomes a closed polyhedron, and points of every wall are tested against the polyhedra of all
+other bodies. A polyhedron follows each facet by triangles, so a depth is right to about the facet's sagitta over the
+square of their number along a side; where points seem to lie deepest, the polyhedron is made finer.
 """
 
 from __future__ import annotations
@@ -13,35 +13,35 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.surface.walls import Walls, find_walls
+from ngcell.contact.surface.facets import FacetSurface, find_facets
 from ngcell.geometry.enclosure import winding_numbers
 from ngcell.mechanics.space import DisplacementSpace
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-#: Triangles along a side of one curved face: where points are looked for, and near the deepest of those found.
+#: Triangles along a side of one curved facet: where points are looked for, and near the deepest of those found.
 _PIECES, _FINE_PIECES = 4, 16
 #: Most distances at once.
 _CHUNK = 500_000
 
 
-def deepest_overlap_of_solids(space: DisplacementSpace, walls: Walls, positions: Array) -> float:
+def deepest_overlap_of_solids(walls: FacetSurface, space: DisplacementSpace, positions: Array) -> float:
     """Return the largest depth [length], >= 0, by which a wall point of a body lies inside another body.
 
     Parameters
     ----------
+    walls : FacetSurface
+        The walls, whose quadrature points and nodes are tested.
     space : DisplacementSpace
         The unknowns of the bodies.
-    walls : Walls
-        Their walls, whose quadrature points and nodes are tested.
     positions : array of float, shape (3, scalar unknowns)
         Deformed positions as unknowns [length].
     """
     xi = np.concatenate([walls.quadrature_points, walls.basis.nodes])
     point = (walls.basis.values(xi) @ walls.nodes(positions)).reshape(-1, 3)
     owner = np.repeat(walls.body, len(xi))
-    surface = find_walls(replace(space.bodies, wall_names=".*"), space.scalar, space.rest)
+    surface = find_facets(replace(space.bodies, wall_names=".*"), space.scalar, space.rest)
     nodes, found = surface.nodes(positions), []
     for number in np.unique(surface.body) if len(point) else ():
         mine = np.flatnonzero(surface.body == number)
@@ -54,8 +54,8 @@ def deepest_overlap_of_solids(space: DisplacementSpace, walls: Walls, positions:
     return max([shallow, *(_finer_depth(surface, nodes, *each, deepest) for each in deep)])
 
 
-def _finer_depth(surface: Walls, nodes: Array, mine: Index, point: Array, deepest: float) -> float:
-    """Return the largest depth of points in a body some of whose faces, those near the points, are followed finely."""
+def _finer_depth(surface: FacetSurface, nodes: Array, mine: Index, point: Array, deepest: float) -> float:
+    """Return the largest depth of points in a body whose facets near the points have finer triangles."""
     if not len(point):
         return 0.0
     coarse = _triangles(surface, nodes, mine, _PIECES)
@@ -72,11 +72,11 @@ def _inside(point: Array, triangles: Array) -> Array:
         return point
     low, high = triangles.min((0, 1)), triangles.max((0, 1))
     near = point[(point > low).all(1) & (point < high).all(1)]
-    return near[winding_numbers(near, triangles) > 0.5]
+    return np.asarray(near[winding_numbers(near, triangles) > 0.5])
 
 
-def _triangles(surface: Walls, nodes: Array, chosen: Index, pieces: int) -> Array:
-    """Return the triangles that stand for chosen faces, (n, 3, 3), with their outer side out."""
+def _triangles(surface: FacetSurface, nodes: Array, chosen: Index, pieces: int) -> Array:
+    """Return the triangles that stand for chosen facets, (n, 3, 3), with their outer side out."""
     pieces = 1 if surface.basis.order == 1 and surface.basis.corner_count == 3 else pieces
     lattice = np.array([(i, j) for i in range(pieces) for j in range(pieces)])
     lower = lattice[:, None] + [(0, 0), (1, 0), (0, 1)]
@@ -86,7 +86,7 @@ def _triangles(surface: Walls, nodes: Array, chosen: Index, pieces: int) -> Arra
     xi = np.concatenate([lower, upper]) / pieces
     corners = np.einsum("tci,fid->ftcd", surface.basis.values(xi), nodes[chosen])
     corners = np.where(surface.side[chosen, None, None, None] > 0, corners, corners[:, :, ::-1])
-    return corners.reshape(-1, 3, 3)
+    return np.asarray(corners.reshape(-1, 3, 3))
 
 
 def _distances(points: Array, triangles: Array) -> Array:

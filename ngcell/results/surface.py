@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ngcell.contact.pairing.facing import FacingWalls
 from ngcell.contact.pairing.search import nearest_on_body
-from ngcell.contact.surface.walls import WallPoints, Walls
+from ngcell.contact.surface.surface import Surface
 from ngcell.problem.assembly import Assembly
 from ngcell.problem.state import State
 from ngcell.results.patterns import wall_pattern
@@ -15,27 +15,23 @@ from ngcell.results.patterns import wall_pattern
 Array = NDArray[np.float64]
 
 
-def wall_fields(walls: Walls, facing: FacingWalls, assembly: Assembly, state: State) -> tuple[Array, Array]:
-    """Return gap [length] and contact pressure [stress] at the points that walls are drawn with, both (edges, points).
+def wall_fields(walls: Surface, facing: FacingWalls, assembly: Assembly, state: State) -> tuple[Array, Array]:
+    """Return gap [length] and contact pressure [stress] at the points that walls are drawn with, both (facets, points).
 
     The gap is the one to the body that the wall faced at rest, NaN where it faced none. The pressure, >= 0, is the
-    true one, for each deformed length, whichever body presses.
+    true one, per deformed length or area, whichever body presses.
     """
     positions = assembly.positions(assembly.expand(state.displacement))
     nodes = walls.nodes(positions)
     places = wall_pattern(walls).points
     count = len(places)
-    gap = np.full((walls.edge_count, count), np.nan)
-    edge, first = np.unique(facing.edge, return_index=True)
-    points = walls.basis.values(places) @ nodes[edge]
+    gap = np.full((walls.facet_count, count), np.nan)
+    facet, first = np.unique(facing.facet, return_index=True)
+    points = walls.basis.values(places) @ nodes[facet]
     body = np.repeat(facing.other[first], count)
-    gap[edge] = nearest_on_body(walls, nodes, points.reshape(-1, walls.dimension), body).reshape(-1, count)
+    gap[facet] = nearest_on_body(walls, nodes, points.reshape(-1, walls.dimension), body).reshape(-1, count)
     if assembly.contact is None:
         return gap, np.zeros_like(gap)
-    everywhere = WallPoints(
-        np.repeat(np.arange(walls.edge_count), count),
-        np.tile(places, (walls.edge_count,) + (1,) * (walls.dimension - 2)),
-        np.zeros(gap.size),
-    )
+    everywhere = walls.on_each_facet(places, np.zeros_like(gap))
     nominal = assembly.contact.pressures(positions, everywhere).reshape(gap.shape)
     return gap, nominal * walls.stretch(walls.rest, places) / walls.stretch(nodes, places)

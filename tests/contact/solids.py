@@ -9,7 +9,8 @@ import numpy as np
 from netgen import occ
 
 from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
-from ngcell.contact.surface.walls import Walls, find_walls
+from ngcell.contact.surface.find import find_surface
+from ngcell.contact.surface.surface import Surface
 from ngcell.geometry.shapes import mesh_shapes
 from ngcell.mechanics.bulk import BulkEnergy
 from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
@@ -26,8 +27,8 @@ class Pair:
     space: DisplacementSpace
 
     @cached_property
-    def walls(self) -> Walls:
-        return find_walls(self.space.bodies, self.space.scalar, self.space.rest)
+    def walls(self) -> Surface:
+        return find_surface(self.space.bodies, self.space.scalar, self.space.rest)
 
     @property
     def nowhere(self) -> np.ndarray:

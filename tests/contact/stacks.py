@@ -10,7 +10,8 @@ from netgen import occ
 
 from ngcell.contact.methods.mortar import MortarContact
 from ngcell.contact.methods.penalty import penalty_stiffness
-from ngcell.contact.surface.walls import Walls, find_walls
+from ngcell.contact.surface.find import find_surface
+from ngcell.contact.surface.surface import Surface
 from ngcell.geometry.shapes import mesh_shapes
 from ngcell.mechanics.bulk import BulkEnergy
 from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
@@ -28,8 +29,8 @@ class Stack:
     space: DisplacementSpace
 
     @cached_property
-    def walls(self) -> Walls:
-        return find_walls(self.space.bodies, self.space.scalar, self.space.rest)
+    def walls(self) -> Surface:
+        return find_surface(self.space.bodies, self.space.scalar, self.space.rest)
 
     @cached_property
     def assembly(self) -> Assembly:

@@ -14,7 +14,7 @@ import pytest
 
 from ngcell.contact.gap.kinematics import GapKinematics
 from ngcell.contact.methods.penalty import PenaltyContact
-from ngcell.contact.surface.walls import Walls
+from ngcell.contact.surface.surface import Surface
 from ngcell.mechanics.space import csr_matrix
 from tests.tissues import SmallTissue, small_tissue
 
@@ -31,7 +31,7 @@ def facing_cells(order: int) -> SmallTissue:
     return small_tissue(1, 2, order=order, edges=3, supports=members)
 
 
-def with_gauss_points(walls: Walls, count: int) -> Walls:
+def with_gauss_points(walls: Surface, count: int) -> Surface:
     points, weights = np.polynomial.legendre.leggauss(count)
     length = np.linalg.norm(walls.rest[:, -1] - walls.rest[:, 0], axis=1)
     return replace(walls, quadrature_points=(points + 1) / 2, weights=length[:, None] * weights / 2)
@@ -84,7 +84,7 @@ def on_facing_walls(tissue: SmallTissue, kinematics: GapKinematics) -> np.ndarra
     """Which contact pairs are points of one of the two walls with a foot on the other."""
     middle = np.abs(tissue.walls.rest[:, :, 0] - np.sqrt(3) / 2).max(1) < 1e-9
     pairs = kinematics.pairs
-    return middle[pairs.edge] & middle[pairs.other] & ~pairs.at_end
+    return middle[pairs.primary] & middle[pairs.secondary] & ~pairs.at_end
 
 
 @pytest.mark.parametrize("order", [2, 3])
@@ -96,11 +96,11 @@ def test_closest_points_are_those_of_ngsolve_where_walls_are_apart(order):
     contact.Update(field, maxdist=REACH)
     walls = with_gauss_points(tissue.walls, 3)
     positions = tissue.positions(field.vec.FV().NumPy())
-    kinematics = PenaltyContact(walls, np.ones(walls.edge_count), REACH).pair(positions).kinematics
-    from_left = np.flatnonzero(on_facing_walls(tissue, kinematics) & (walls.body[kinematics.pairs.edge] == 0))
+    kinematics = PenaltyContact(walls, np.ones(walls.facet_count), REACH).pair(positions).kinematics
+    from_left = np.flatnonzero(on_facing_walls(tissue, kinematics) & (walls.body[kinematics.pairs.primary] == 0))
     assert len(from_left) == 9
     away, _ = kinematics.vectors(positions)
-    places = walls.places(kinematics.pairs.edge, kinematics.pairs.here, walls.rest)
+    places = walls.places(kinematics.pairs.primary, kinematics.pairs.primary_xi, walls.rest)
     rule = ngsolve.IntegrationRule([(xi, 0, 0) for xi in walls.quadrature_points], [1.0] * 3)
     points = mesh.MapToAllElements({ngsolve.ET.SEGM: rule}, mesh.Boundaries("left"))
     theirs, height = contact.gap(points), ngsolve.y(points).ravel()
@@ -120,7 +120,7 @@ def test_energy_and_forces_are_those_of_the_symbolic_form(order, shape):
     walls = with_gauss_points(tissue.walls, order + 1)
     at = field.vec.FV().NumPy().copy()
     positions = tissue.positions(at)
-    contact = PenaltyContact(walls, np.full(walls.edge_count, STIFFNESS), REACH).pair(positions)
+    contact = PenaltyContact(walls, np.full(walls.facet_count, STIFFNESS), REACH).pair(positions)
     closed = contact.kinematics.gaps(positions) < 0
     assert closed.sum() > 3 and on_facing_walls(tissue, contact.kinematics)[closed].all()
     form, _kept = symbolic_contact(tissue, field, order + 1)
@@ -139,7 +139,7 @@ def test_tangent_is_that_of_the_symbolic_form_on_straight_walls(order):
     field = displaced(tissue, shortened(-0.005))
     walls = with_gauss_points(tissue.walls, order + 1)
     positions = tissue.positions(field.vec.FV().NumPy())
-    contact = PenaltyContact(walls, np.full(walls.edge_count, STIFFNESS), REACH).pair(positions)
+    contact = PenaltyContact(walls, np.full(walls.facet_count, STIFFNESS), REACH).pair(positions)
     gap, slopes, penalty = contact.penalty_terms(positions)
     closed = slopes[np.flatnonzero(gap < 0)].toarray()
     ours = closed.T @ (penalty[gap < 0][:, None] * closed) + contact.curvature(positions).toarray()

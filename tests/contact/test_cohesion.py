@@ -22,7 +22,7 @@ def bonded(tissue: SmallTissue) -> tuple[Assembly, Bonds]:
 
 
 def moved(tissue: SmallTissue, depth: float, correction: float, amplitude: float = 0.02) -> np.ndarray:
-    """Bent walls, the right cell pushed in by `depth` and along by `slip`."""
+    """Bent walls, the right cell pressed in by `depth` and along by `slide`."""
     return tissue.smooth(amplitude, 3) + tissue.body_translation(1, np.array([-depth, correction]))
 
 

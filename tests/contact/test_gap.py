@@ -13,7 +13,7 @@ STEPS = np.array([2e-3, 1e-3, 5e-4])
 
 
 def bent_pair(order: int, depth: float, dent: float = 0.0, aside: float = 0.2) -> tuple[SmallTissue, np.ndarray]:
-    """Two bent cells, the right one pushed into the left one and aside, and their displacement.
+    """Two bent cells, the right one pressed into the left one and aside, and their displacement.
 
     Each of them has the middle node of the wall between them moved in by `dent`.
     """
@@ -26,7 +26,7 @@ def bent_pair(order: int, depth: float, dent: float = 0.0, aside: float = 0.2) -
 
 
 def paired(tissue: SmallTissue, displacement: np.ndarray) -> GapKinematics:
-    contact = PenaltyContact(tissue.walls, np.ones(tissue.walls.edge_count), reach=0.6)
+    contact = PenaltyContact(tissue.walls, np.ones(tissue.walls.facet_count), reach=0.6)
     return contact.pair(tissue.positions(displacement)).kinematics
 
 
@@ -71,8 +71,8 @@ def gaps_of_pairs(
     """Gaps of the same points to the same bodies, with the contact pairs found anew."""
     kinematics = paired(tissue, displacement)
     pairs, known = kinematics.pairs, before.pairs
-    where = {key: number for number, key in enumerate(zip(pairs.edge, pairs.here, strict=True))}
-    same = [where[known.edge[number], known.here[number]] for number in chosen]
+    where = {key: number for number, key in enumerate(zip(pairs.primary, pairs.primary_xi, strict=True))}
+    same = [where[known.primary[number], known.primary_xi[number]] for number in chosen]
     return kinematics.gaps(tissue.positions(displacement))[same]
 
 
@@ -81,9 +81,9 @@ def test_gaps_are_positive_between_walls_apart_and_negative_where_they_overlap(d
     tissue = small_tissue(1, 2)
     translation = tissue.body_translation(1, np.array([distance, 0.0]))
     kinematics = paired(tissue, translation)
-    x, y = tissue.walls.places(kinematics.pairs.edge, kinematics.pairs.here, tissue.walls.rest).T
+    x, y = tissue.walls.places(kinematics.pairs.primary, kinematics.pairs.primary_xi, tissue.walls.rest).T
     between = (np.abs(x - np.sqrt(3) / 2) < 1e-9) & (np.abs(y) < 0.4)
-    assert set(tissue.walls.body[kinematics.pairs.edge[between]]) == {0, 1}
+    assert set(tissue.walls.body[kinematics.pairs.primary[between]]) == {0, 1}
     np.testing.assert_allclose(kinematics.gaps(tissue.positions(translation))[between], distance, atol=1e-12)
 
 
@@ -102,9 +102,9 @@ def test_contact_pairs_are_closest_points(order, depth):
     np.testing.assert_allclose(np.abs(kinematics.gaps(at)), distance, rtol=1e-9, atol=1e-14)
     # By brute force: no point of the other body's walls is nearer.
     outline = walls.basis.values(np.linspace(0, 1, 201)) @ walls.nodes(at)
-    own = walls.places(pairs.edge, pairs.here, walls.nodes(at))
+    own = walls.places(pairs.primary, pairs.primary_xi, walls.nodes(at))
     for body in (0, 1):
-        mine = walls.body[pairs.edge] == body
+        mine = walls.body[pairs.primary] == body
         theirs = outline[walls.body != body].reshape(-1, 2)
         nearest = np.linalg.norm(own[mine][:, None] - theirs, axis=2).min(1)
         assert (distance[mine] <= nearest + 1e-12).all()

@@ -8,7 +8,8 @@ from functools import cached_property
 import numpy as np
 import pytest
 
-from ngcell.contact.methods.mortar import MortarContact, MortarSet
+from ngcell.contact.methods.mortar import MortarContact
+from ngcell.contact.methods.mortar_set import MortarSet
 from ngcell.contact.methods.penalty import penalty_stiffness
 from ngcell.problem.assembly import Assembly
 from ngcell.problem.state import State
@@ -16,8 +17,8 @@ from tests.contact.stacks import Stack, blocks, rings
 from tests.tissues import LAW, LONGEST_STEP, SmallTissue, dense_stiffness, small_tissue
 
 ORDERS = [1, 2, 3, 4]
-#: What the multipliers of pressed walls push with, in units of penalty term stiffness times length.
-PUSH = 0.02
+#: Multipliers of pressed walls, in units of penalty stiffness times length.
+PRESSURE = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +42,7 @@ class Cells:
         return Assembly(self.tissue.space, self.tissue.bulk, self.tissue.motion.fixed, contact=self.contact)
 
     def state(self, depth: float, aside: float, bend: float = 0.02) -> State:
-        """Bent walls, the right cell pushed in by `depth` and along by `aside`."""
+        """Bent walls, the right cell pressed in by `depth` and along by `aside`."""
         translation = self.tissue.body_translation(1, np.array([-depth, aside]))
         return self.problem.at(self.tissue.smooth(bend, 3) + translation)
 
@@ -57,13 +58,13 @@ def cells(order: int, multipliers: float = 0.0) -> Cells:
 #: Depth, slide along the wall and multipliers of states, and how many of the gaps are pressed.
 STATES = {
     "open": (-0.04, 0.2, 0.0, "none"),
-    "open, with multipliers that have released": (-0.07, 0.2, PUSH / 2, "none"),
-    "open, still pushed": (-0.01, 0.2, 3 * PUSH, "all"),
+    "open, with multipliers that have released": (-0.07, 0.2, PRESSURE / 2, "none"),
+    "open, still pressed": (-0.01, 0.2, 3 * PRESSURE, "all"),
     "closed": (0.01, 0.2, 0.0, "all"),
-    "closed, with multipliers": (0.01, 0.2, PUSH, "all"),
-    "deep": (0.05, 0.2, PUSH, "all"),
-    "slid off": (0.01, 0.8, PUSH, "some"),
-    "nearly past": (0.012, 1.02, PUSH, "some"),
+    "closed, with multipliers": (0.01, 0.2, PRESSURE, "all"),
+    "deep": (0.05, 0.2, PRESSURE, "all"),
+    "slid off": (0.01, 0.8, PRESSURE, "some"),
+    "nearly past": (0.012, 1.02, PRESSURE, "some"),
 }
 
 
@@ -97,7 +98,7 @@ def moved(problem: Assembly, state: State, step: np.ndarray) -> float:
 
 
 @pytest.mark.parametrize("order", ORDERS)
-@pytest.mark.parametrize("name", ["open", "open, still pushed", "closed", "closed, with multipliers", "slid off"])
+@pytest.mark.parametrize("name", ["open", "open, still pressed", "closed", "closed, with multipliers", "slid off"])
 def test_the_tangent_is_the_slope_of_the_forces_up_to_squares_of_gaps_at_cuts(order, name):
     depth, aside, multipliers, _ = STATES[name]
     misses = []
@@ -155,7 +156,7 @@ def test_a_rigid_motion_changes_no_gap_and_turns_the_forces(order, name):
 
 
 @pytest.mark.parametrize("order", ORDERS)
-@pytest.mark.parametrize("name", ["open, still pushed", "closed, with multipliers", "deep", "slid off"])
+@pytest.mark.parametrize("name", ["open, still pressed", "closed, with multipliers", "deep", "slid off"])
 def test_forces_and_moments_on_the_two_bodies_cancel(order, name):
     depth, aside, multipliers, _ = STATES[name]
     pair = cells(order, multipliers)
@@ -163,7 +164,7 @@ def test_forces_and_moments_on_the_two_bodies_cancel(order, name):
     assert_balanced(pair.problem, state)
     on_right = pair.tissue.space.body_of_unknown == 1
     force = pair.problem.contact_force(state).reshape(2, -1) * pair.tissue.space.one
-    assert force[0, on_right].sum() < 0  # the gradient falls towards the right: the right cell is pushed that way
+    assert force[0, on_right].sum() < 0  # the gradient falls towards the right: the right cell is driven that way
 
 
 @pytest.mark.parametrize("order", ORDERS)
@@ -172,7 +173,7 @@ def test_forces_and_moments_cancel_on_walls_whose_meshes_do_not_match(order, mak
     stack: Stack = make((0.3, 0.17), order=order)
     contact = stack.contact
     random = np.random.default_rng(4)
-    contact.multipliers[:] = contact.stiffness[0] * PUSH * random.uniform(0, 1, len(contact.multipliers))
+    contact.multipliers[:] = contact.stiffness[0] * PRESSURE * random.uniform(0, 1, len(contact.multipliers))
     state = stack.assembly.at(stack.bent(0.02, 3) + stack.upper_moved((0.05, -0.01)))
     assert_balanced(stack.assembly, state)
 
@@ -187,7 +188,7 @@ def assert_balanced(problem: Assembly, state: State) -> None:
 
 
 def pressed_pair(order: int) -> tuple[Cells, State, MortarSet, np.ndarray]:
-    pair = cells(order, PUSH)
+    pair = cells(order, PRESSURE)
     state = pair.state(0.01, 0.2)
     return pair, state, state.contact, pair.tissue.positions(state.displacement)
 
@@ -204,7 +205,7 @@ def test_updated_pressures_are_what_the_penalty_terms_push_with(order):
     changed = (applied - contact.pressure) / contact.stiffness
     assert gap == pytest.approx(np.abs(changed).max(), rel=1e-12)
     assert energy == pytest.approx((contact.stiffness * contact.weight * changed**2).sum() / 2, rel=1e-12)
-    # As penalty terms they push as hard again, with the overlaps that are still there.
+    # Penalty terms add as much again, with the overlaps that are still there.
     harder = pair.problem.contact_force(pair.problem.at(state.displacement))
     assert np.abs(harder).sum() > np.abs(force).sum()
 
@@ -220,13 +221,13 @@ def test_contact_forces_of_the_points_are_the_forces_without_the_cuts(order):
 
 
 def pressures_of_a_flat_overlap(order: int) -> tuple[Stack, np.ndarray, np.ndarray, float]:
-    """Pressures at all quadrature points, which of these lie between the blocks, and what the penalty terms push with."""
+    """Pressures at all quadrature points, which of these lie between the blocks, and those of the penalty terms."""
     stack = blocks((0.3, 0.17), order=order)
     contact, positions = stack.contact, stack.positions(stack.upper_moved((0.0, -1e-3)))
     points = stack.walls.quadrature
-    place = stack.walls.places(points.edge, points.xi, stack.walls.rest)
-    carrier = contact.stiffness[stack.walls.body == int(np.argmin(contact._rank))][0]
-    return stack, contact.pressures(positions, points), np.abs(place[:, 1] - 0.5) < 1e-12, 1e-3 * carrier
+    place = stack.walls.places(points.facet, points.xi, stack.walls.rest)
+    stiffness = contact.stiffness[stack.walls.body == int(np.argmin(contact._rank))][0]
+    return stack, contact.pressures(positions, points), np.abs(place[:, 1] - 0.5) < 1e-12, 1e-3 * stiffness
 
 
 @pytest.mark.parametrize("order", ORDERS)
@@ -234,8 +235,8 @@ def test_the_pressure_of_a_pair_is_the_same_on_both_its_walls(order):
     """A uniform gap is one of the space, so a uniform pressure comes out of it."""
     stack, pressure, between, applied = pressures_of_a_flat_overlap(order)
     points = stack.walls.quadrature
-    inside = between & (np.abs(stack.walls.places(points.edge, points.xi, stack.walls.rest)[:, 0]) < 0.49)
-    assert set(stack.walls.body[points.edge[inside]]) == {0, 1}
+    inside = between & (np.abs(stack.walls.places(points.facet, points.xi, stack.walls.rest)[:, 0]) < 0.49)
+    assert set(stack.walls.body[points.facet[inside]]) == {0, 1}
     np.testing.assert_allclose(pressure[inside], applied, rtol=1e-9)
     assert (pressure >= 0).all()
 

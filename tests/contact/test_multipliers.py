@@ -49,7 +49,7 @@ def test_integrals_add_up_to_the_length_of_the_walls(order, radius):
 
 def joints(tissue: SmallTissue) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The two edge ends at each vertex of the walls, as edges and coordinates, and whether the outline is smooth."""
-    ends = tissue.walls.ends
+    ends = tissue.walls.vertices
     order = np.argsort(ends.ravel(), kind="stable").reshape(-1, 2)
     np.testing.assert_array_equal(ends.ravel()[order[:, 0]], ends.ravel()[order[:, 1]])
     edge, end = np.divmod(order, 2)
@@ -68,17 +68,18 @@ def test_a_pressure_is_continuous_at_smooth_joints_and_broken_at_corners(order, 
     assert jump[smooth].max() < 1e-14
     assert (jump[~smooth] > 1e-3).all()
     # As many functions as a chain of polynomials has, which gains one at each break and loses one on each side of it.
-    assert space.size == space.degree * tissue.walls.edge_count + (1 - 2) * (~smooth).sum()
+    assert space.size == space.degree * tissue.walls.facet_count + (1 - 2) * (~smooth).sum()
 
 
 def test_constrained_points_are_each_vertex_once_and_the_quarters_of_edges():
     walls = small_tissue(1, 2, radius=0.2).walls
-    edge, xi = constrained_points(walls)
+    points = constrained_points(walls)
+    edge, xi = points.facet, points.xi
     np.testing.assert_array_equal(np.diff(edge) >= 0, True)
     place = walls.places(edge, xi, walls.rest)
     quarters = walls.basis.values(np.array([0.25, 0.5, 0.75])) @ walls.rest
     outline = np.concatenate([walls.rest[:, 0], quarters.reshape(-1, 2)])
-    assert len(place) == len(outline) == 4 * walls.edge_count
+    assert len(place) == len(outline) == 4 * walls.facet_count
     apart = np.linalg.norm(place[:, None] - place[None], axis=2) + 9 * np.eye(len(place))
     mine = walls.body[edge]
     assert apart[mine[:, None] == mine[None]].min() > 1e-3

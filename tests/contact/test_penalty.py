@@ -14,7 +14,7 @@ from tests.tissues import LAW, SmallTissue, dense_stiffness, small_tissue
 
 
 def moved(tissue: SmallTissue, depth: float, amplitude: float = 0.02) -> np.ndarray:
-    """Bent walls, the right cell pushed in by `depth` and along by 0.2."""
+    """Bent walls, the right cell pressed in by `depth` and along by 0.2."""
     return tissue.smooth(amplitude, 3) + tissue.body_translation(1, np.array([-depth, 0.2]))
 
 
@@ -68,7 +68,7 @@ def test_forces_between_bodies_are_equal_and_opposite_and_push_apart():
     x, y = tissue.positions(state.displacement)
     on_right = tissue.space.body_of_unknown == 1
     normal_force = (force * tissue.space.one)[:, on_right].sum(1)
-    assert normal_force[0] < 0  # the gradient falls towards the right: the right cell is pushed that way
+    assert normal_force[0] < 0  # the gradient falls towards the right: the right cell is driven that way
     np.testing.assert_allclose(force @ tissue.space.one, 0, atol=1e-12)
     assert x @ force[1] - y @ force[0] == pytest.approx(0, abs=1e-11)
 
@@ -79,7 +79,7 @@ def test_pressures_integrate_to_the_force():
     contact = tissue.contact.pair(positions)
     kinematics = contact.kinematics
     pressure = 2 * contact.contact_forces(positions) / kinematics.pairs.weight
-    on_left = tissue.walls.body[kinematics.pairs.edge] == 0
+    on_left = tissue.walls.body[kinematics.pairs.primary] == 0
     total = (pressure * kinematics.pairs.weight)[on_left].sum()
     stiffness = LAW.plane_strain_modulus / tissue.walls.depth[0]
     assert pressure.max() == pytest.approx(stiffness * 0.002, rel=1e-9)
@@ -176,7 +176,7 @@ def test_penalty_terms_that_took_over_from_softer_ones_stiffen_where_overlaps_ar
 
 @pytest.mark.parametrize("stiffness", [0.01, 0.1, 1.0])
 def test_penalty_terms_of_any_stiffness_take_over_from_ones_that_follow_the_path(stiffness):
-    """Else those that a case asks for would not be updated where they are too soft for a path's."""
+    """Else those that a case asks for would not stiffen where they are too soft for a continuation's."""
     walls = small_tissue(1, 2, order=1).walls
     moduli = np.ones(int(walls.body.max()) + 1)
     assert len(contact_stages(Penalty(stiffness=stiffness), walls, moduli, reach=0.1)) > 1

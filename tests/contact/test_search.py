@@ -10,12 +10,13 @@ from shapely import Point, Polygon
 
 from ngcell.contact.methods.penalty import PenaltyContact
 from ngcell.contact.pairing.facing import find_facing
-from ngcell.contact.surface.walls import Walls, find_walls
+from ngcell.contact.surface.find import find_surface
+from ngcell.contact.surface.surface import Surface
 from tests.tissues import SmallTissue, rotation, small_tissue
 
 
-def contact_between(walls: Walls) -> PenaltyContact:
-    return PenaltyContact(walls, np.ones(walls.edge_count), reach=0.3)
+def contact_between(walls: Surface) -> PenaltyContact:
+    return PenaltyContact(walls, np.ones(walls.facet_count), reach=0.3)
 
 
 def depth_inside(tissue: SmallTissue, point: np.ndarray, centre: np.ndarray, angle: float) -> np.ndarray:
@@ -39,8 +40,8 @@ def test_walls_overlap_exactly_where_their_points_lie_inside_the_other_cell(tran
     positions = tissue.positions(displacement)
     kinematics = contact_between(walls).pair(positions).kinematics
     gap, pairs = kinematics.gaps(positions), kinematics.pairs
-    overlap = np.zeros((walls.edge_count, len(walls.quadrature_points)))
-    overlap[pairs.edge, np.searchsorted(walls.quadrature_points, pairs.here - 1e-9)] = np.maximum(-gap, 0)
+    overlap = np.zeros((walls.facet_count, len(walls.quadrature_points)))
+    overlap[pairs.primary, np.searchsorted(walls.quadrature_points, pairs.primary_xi - 1e-9)] = np.maximum(-gap, 0)
     point = walls.quadrature_values @ walls.nodes(positions)
     expected = np.zeros_like(overlap)
     for body, other, turn in ((0, 1, angle), (1, 0, 0.0)):
@@ -51,21 +52,21 @@ def test_walls_overlap_exactly_where_their_points_lie_inside_the_other_cell(tran
     np.testing.assert_allclose(overlap, expected, atol=1e-12)
 
 
-def test_a_point_that_slid_past_the_end_of_an_outline_carries_no_force():
+def test_a_point_that_slid_past_the_end_of_an_outline_is_without_force():
     base = small_tissue(1, 2, edges=5)
     right = np.argmax(base.lattice.normals[:, 0])
     facing = np.zeros((2, 6), dtype=bool)
     facing[0, right] = facing[1, (right + 3) % 6] = True
     tissue = small_tissue(1, 2, edges=5, supports={"between": facing})
     bodies = replace(tissue.bodies, wall_names="between")  # the walls end at the corners
-    walls = find_walls(bodies, tissue.space.scalar, tissue.space.rest)
+    walls = find_surface(bodies, tissue.space.scalar, tissue.space.rest)
     positions = tissue.positions(tissue.body_translation(1, np.array([-0.05, 0.4])))
     contact = contact_between(walls).pair(positions)
     gap, pairs = contact.kinematics.gaps(positions), contact.kinematics.pairs
-    y = walls.places(pairs.edge, pairs.here, walls.nodes(positions))[:, 1]
+    y = walls.places(pairs.primary, pairs.primary_xi, walls.nodes(positions))[:, 1]
     both = (y > -0.1) & (y < 0.5)
     np.testing.assert_allclose(gap[both], -0.05, atol=1e-12)
-    # No further aside than deep, the end itself still pushes; beyond that nothing does.
+    # No further aside than deep, a contact force acts on the end itself; beyond that there is none.
     assert (gap[(y < -0.1 - 0.051) | (y > 0.5 + 0.051)] >= 0).all()
 
 
@@ -74,7 +75,7 @@ def test_points_where_three_bodies_meet_answer_to_both_neighbours(order):
     tissue = small_tissue(2, 2, order=order)
     walls = tissue.walls
     pairs = contact_between(walls).pair(tissue.space.rest).kinematics.pairs
-    point = walls.places(pairs.edge, pairs.here, walls.rest)
+    point = walls.places(pairs.primary, pairs.primary_xi, walls.rest)
     corners = (tissue.lattice.centres[:, None] + tissue.lattice.corners).reshape(-1, 2)
     place, count = np.unique(np.round(corners, 9), axis=0, return_counts=True)
     assert (count == 3).sum() == 2
@@ -82,11 +83,11 @@ def test_points_where_three_bodies_meet_answer_to_both_neighbours(order):
         meeting = np.flatnonzero(np.linalg.norm(corners - corner, axis=1) < 1e-6) // 6
         near = np.linalg.norm(point - corner, axis=1) < 0.05
         for body in meeting:
-            mine = near & (walls.body[pairs.edge] == body)
-            seen = np.column_stack([pairs.edge, pairs.here])[mine]
+            mine = near & (walls.body[pairs.primary] == body)
+            seen = np.column_stack([pairs.primary, pairs.primary_xi])[mine]
             points, pair_count = np.unique(seen, axis=0, return_counts=True)
             assert len(points) and (pair_count == 2).all()
-            assert set(walls.body[pairs.other[mine]]) == set(meeting) - {body}
+            assert set(walls.body[pairs.secondary[mine]]) == set(meeting) - {body}
 
 
 def test_contact_pairs_do_not_depend_on_what_was_searched_before():
@@ -96,7 +97,7 @@ def test_contact_pairs_do_not_depend_on_what_was_searched_before():
         positions = tissue.positions(tissue.smooth(0.1 * seed, seed))
         seen, fresh = used.pair(positions), contact_between(tissue.walls).pair(positions)
         assert seen.energy(positions) == fresh.energy(positions)
-        np.testing.assert_array_equal(seen.kinematics.pairs.other, fresh.kinematics.pairs.other)
+        np.testing.assert_array_equal(seen.kinematics.pairs.secondary, fresh.kinematics.pairs.secondary)
 
 
 def test_couplings_hold_all_penalty_terms_while_nothing_moves_by_more_than_half_of_the_margin():
@@ -126,7 +127,7 @@ def test_facing_gaps_follow_the_walls_wherever_they_slide():
     np.testing.assert_allclose(gaps, 2.0, atol=1e-12)  # far beyond the reach of contact
     positions = tissue.positions(tissue.body_translation(1, np.array([0.5, 3.0])))
     gaps = facing.gaps(tissue.walls, tissue.walls.nodes(positions))
-    point = (tissue.walls.quadrature_values @ tissue.walls.nodes(positions))[facing.edge, facing.quadrature_point]
+    point = (tissue.walls.quadrature_values @ tissue.walls.nodes(positions))[facing.facet, facing.quadrature_point]
     centres = tissue.lattice.centres + [[0, 0], [0.5, 3.0]]
     outlines = [Polygon(centre + tissue.lattice.corners) for centre in centres]
     expected = [outlines[other].distance(Point(at)) for other, at in zip(facing.other, point, strict=True)]

@@ -1,4 +1,4 @@
-"""Corners of cells drawn out to needles push nobody away who is beside them."""
+"""Corners of cells drawn out to needles exert no force on a wall beside them."""
 
 from ngcell import read_case
 from ngcell.build.simulation import Simulation

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from ngcell.contact.methods.cohesion import Bonds, ExponentialLaw, bond_walls
-from ngcell.contact.surface.walls import find_walls
+from ngcell.contact.surface.find import find_surface
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.prisms import prism_mesh
 from ngcell.geometry.rings import ring_section
@@ -67,7 +67,7 @@ def test_bonds_cover_what_coincides_once(make, order, low, high):
     bonds = bond_walls(bodies.walls, LAW)
     a, one, two = bonds.kinematics.vectors(bodies.space.rest)
     np.testing.assert_allclose(a, 0, atol=1e-12)
-    place = bodies.walls.places(bonds.kinematics.pairs.edge, bonds.kinematics.pairs.here, bodies.walls.rest)
+    place = bodies.walls.places(bonds.kinematics.pairs.primary, bonds.kinematics.pairs.primary_xi, bodies.walls.rest)
     sizes, middle = np.subtract(high, low), np.add(high, low) / 2
     away = (place[:, 1:] if make is prisms else place[:, :2]) - middle
     area = sizes.prod()
@@ -113,6 +113,6 @@ def test_every_wall_of_a_prism_tissue_is_bonded():
     lattice = hexagonal_lattice(2, 2, side=1.0, pointy=True)
     section = ring_section(lattice, wall=0.2, radius=0.0, edges=1, layers=1, supports={})
     space = DisplacementSpace(prism_mesh(section, height=0.6, slices=2), 1)
-    bonds = bond_walls(find_walls(space.bodies, space.scalar, space.rest), LAW)
+    bonds = bond_walls(find_surface(space.bodies, space.scalar, space.rest), LAW)
     assert len(np.unique(bonds.bodies, axis=0)) == 5
     assert bonds.weight.sum() == pytest.approx(5 * 0.6, rel=1e-9)

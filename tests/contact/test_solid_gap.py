@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from ngcell.contact.pairing.search import ContactPairs
-from ngcell.contact.surface.facets import FaceBasis
-from ngcell.contact.surface.walls import find_walls
+from ngcell.contact.pairing.pairs import ContactPairs
+from ngcell.contact.surface.facet_basis import FacetBasis
+from ngcell.contact.surface.find import find_surface
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.near import near_pairs
 from ngcell.geometry.prisms import prism_mesh
@@ -63,7 +63,7 @@ def test_tied_prisms_move_as_one_solid(order):
     """Whatever the masters do: walls that coincide at rest coincide still, at three-cell lines, too."""
     section = ring_section(hexagonal_lattice(2, 2, side=1.0, pointy=True), **SECTION)
     space = DisplacementSpace(prism_mesh(section, height=0.6, slices=2), order)
-    walls = find_walls(space.bodies, space.scalar, space.rest)
+    walls = find_surface(space.bodies, space.scalar, space.rest)
     tie = tie_walls(walls, space.size)
     values = tie.sign * np.random.default_rng(2).standard_normal((3, space.size))[:, tie.master]
     field = walls.quadrature_values @ walls.nodes(values)
@@ -89,7 +89,7 @@ def test_a_rotating_step_turns_bodies_without_stretching_them():
 
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_points_of_prisms_lie_on_corner_lines_and_on_no_seam_along_the_axis(order):
-    points, weights = FaceBasis(order, 4).rule
+    points, weights = FacetBasis(order, 4).rule
     assert {0.0, 1.0} <= set(points[:, 0]) and 0 < points[:, 1].min() <= points[:, 1].max() < 1
     for powers in np.ndindex(2 * order + 2, 2 * order + 2):
         exact = 1 / np.prod(np.add(powers, 1))
@@ -111,5 +111,5 @@ def test_walls_that_end_are_continued_by_a_quarter():
 
 def kind_of(pairs: ContactPairs) -> np.ndarray:
     """0 at feet on faces, 1 at feet on sides, 2 at corners."""
-    slides = (pairs.glide != 0).any(1)
+    slides = (pairs.slide_direction != 0).any(1)
     return np.where(pairs.at_end, np.where(slides, 1, 2), 0)

@@ -8,7 +8,7 @@ import pytest
 from ngcell.contact.methods.mortar import MortarContact
 from ngcell.contact.methods.multipliers import SHARP, MultiplierSpace, constrained_points
 from ngcell.contact.methods.penalty import penalty_stiffness
-from ngcell.contact.surface.walls import Walls
+from ngcell.contact.surface.surface import Surface
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.prisms import prism_mesh
 from ngcell.geometry.rings import ring_section
@@ -27,7 +27,7 @@ def prisms(order: int, edges: int = 2) -> Pair:
 
 
 def pressed(bodies: Pair, normal_force: float) -> Assembly:
-    """Contact with multipliers that push, each of its own."""
+    """Contact with multipliers above 0, each of its own."""
     stiffness = penalty_stiffness(bodies.walls, np.full(2, LAW.plane_strain_modulus), 10.0)
     contact = MortarContact(bodies.walls, stiffness, 0.4)
     size = contact.space.size
@@ -87,7 +87,7 @@ def test_updated_pressures_stand_for_the_gaps_that_they_close():
     np.testing.assert_allclose(problem.contact.multipliers[again.rows], before, atol=1e-9 * before.max())
 
 
-def walls_of(order: int) -> Walls:
+def walls_of(order: int) -> Surface:
     """Three edges a wall."""
     return prisms(order, edges=3).walls
 
@@ -115,8 +115,8 @@ def test_pressures_are_continuous_but_at_sharp_sides(make, order):
     basis = walls.basis
     ahead = np.roll(basis.corners, -1, axis=0) - basis.corners
     at = np.concatenate([basis.corners + part * ahead for part in (0.3, 0.7)])
-    face = np.repeat(np.arange(walls.edge_count), len(at))
-    xi = np.tile(at, (walls.edge_count, 1))
+    face = np.repeat(np.arange(walls.facet_count), len(at))
+    xi = np.tile(at, (walls.facet_count, 1))
     side = np.tile(np.arange(len(basis.corners)), len(face) // len(basis.corners))
     value = (space.values(xi) * coefficients[space.row[face]]).sum(1)
     place = walls.places(face, xi, walls.rest)
@@ -143,7 +143,8 @@ def test_prisms_have_the_functions_of_their_section_times_those_along_the_axis(o
 
 def test_constrained_points_are_vertices_and_quarters_each_once():
     walls = walls_of(2)
-    edge, xi = constrained_points(walls)
+    points = constrained_points(walls)
+    edge, xi = points.facet, points.xi
     place = walls.places(edge, xi, walls.rest)
     assert len(np.unique(np.column_stack([walls.body[edge], np.round(place, 7)]), axis=0)) == len(edge)
     assert len(edge) == 2 * (6 * 3 * 4) * (2 * 4 + 1)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ngcell.problem.assembly import Assembly
-from ngcell.problem.tie import coincident_edges
+from ngcell.problem.tie import coincident_facets
 from ngcell.solve.minimum import Ending, ProximalTerm
 from tests.tissues import SmallTissue, dense_stiffness, small_tissue
 
@@ -15,7 +15,7 @@ ORDERS = [1, 2, 3, 4]
 
 def largest_jump(tissue: SmallTissue, displacement: np.ndarray) -> float:
     """Largest distance between coincident points of two bodies."""
-    one, two = coincident_edges(tissue.walls).T
+    one, two = coincident_facets(tissue.walls).T
     nodes = tissue.walls.nodes(displacement.reshape(2, -1))
     return float(np.abs(nodes[one] - nodes[two][:, ::-1]).max())
 
@@ -28,7 +28,7 @@ def floating(tissue: SmallTissue) -> Assembly:
 def test_every_facing_edge_is_tied(order):
     tissue = small_tissue(2, 3, order=order, edges=3)
     pairs = 2 * 2 + 1 * (2 * 3 - 1)
-    assert len(coincident_edges(tissue.walls)) == 3 * pairs
+    assert len(coincident_facets(tissue.walls)) == 3 * pairs
 
 
 @pytest.mark.parametrize("order", ORDERS)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ngcell.contact.pairing.facing import count_corners, find_facing
-from ngcell.contact.surface.walls import find_walls
+from ngcell.contact.surface.find import find_surface
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.prisms import prism_mesh
 from ngcell.geometry.rings import ring_mesh, ring_section
@@ -38,13 +38,13 @@ def test_prisms_are_their_section_times_the_height(filled):
 def test_walls_of_prisms_face_each_other():
     bodies = prism_mesh(ring_section(LATTICE, **CHOICES | {"radius": 0.0}), height=0.7, slices=2)
     space = DisplacementSpace(bodies, 2)
-    walls = find_walls(bodies, space.scalar, space.rest)
+    walls = find_surface(bodies, space.scalar, space.rest)
     facing = find_facing(walls, 1e-3)
     assert len(facing.pairs) == 5
     assert facing.weight.sum() == pytest.approx(2 * 5 * 0.7, rel=1e-12)
     assert np.abs(facing.gaps(walls, walls.rest)).max() < 1e-12
     assert count_corners(walls) == 2 * 3
-    assert walls.loose_sides.sum() == 2 * 4 * 12
+    assert walls.is_loose_side.sum() == 2 * 4 * 12
 
 
 @pytest.mark.parametrize("filled", [False, True])
@@ -94,7 +94,7 @@ def test_layers_are_prisms_of_their_own_that_face_each_other(filled, end_wall):
         found = ngsolve.Integrate(ngsolve.CF(1), bodies.mesh.Boundaries(region), ngsolve.BND)
         assert found == pytest.approx(count * end, rel=1e-12)
     space = DisplacementSpace(bodies, 2)
-    walls = find_walls(bodies, space.scalar, space.rest)
+    walls = find_surface(bodies, space.scalar, space.rest)
     assert walls.quadrature.weight.sum() == pytest.approx(4 * end + 3 * 4 * 6 * 0.7, rel=1e-12)
     facing = find_facing(walls, 1e-3)
     apart = np.diff(facing.pairs).ravel()

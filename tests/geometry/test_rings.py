@@ -116,4 +116,4 @@ def test_supports_and_walls_share_out_all_outer_edges():
     count = {name: sum(1 for _ in mesh.Boundaries(name).Elements()) for name in ("low", "high", "wall", "lumen")}
     assert count == {"low": 3 * 8, "high": 3 * 8, "wall": 3 * (6 * 12 - 16), "lumen": 3 * 6 * 12}
     assert tissue.bodies.wall_names.split("|") == ["wall", "low", "high"]
-    assert tissue.walls.edge_count == 3 * 6 * 12
+    assert tissue.walls.facet_count == 3 * 6 * 12

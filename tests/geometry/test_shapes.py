@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from netgen import occ
 
-from ngcell.contact.surface.walls import find_walls
+from ngcell.contact.surface.find import find_surface
 from ngcell.errors import CaseError, GeometryError
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.shapes import check_boundaries, mesh_shapes
@@ -92,7 +92,7 @@ def test_reference_positions_are_unknowns_on_curved_elements(order):
     for component, coordinate in zip(position.components, (ngsolve.x, ngsolve.y), strict=True):
         error = ngsolve.Integrate((component - coordinate) ** 2, bodies.mesh, order=2 * order + 2)
         assert error < 1e-24
-    walls = find_walls(bodies, space.scalar, space.rest)
+    walls = find_surface(bodies, space.scalar, space.rest)
     edges = list(bodies.mesh.Boundaries(bodies.wall_names).Elements())
     for nodes, edge in zip(walls.rest, edges, strict=True):
         trafo = bodies.mesh.GetTrafo(edge)  # mapped points refer to it

@@ -10,7 +10,7 @@ import pytest
 from netgen import occ
 
 from ngcell.contact.pairing.facing import find_facing
-from ngcell.contact.surface.walls import find_walls
+from ngcell.contact.surface.find import find_surface
 from ngcell.errors import GeometryError
 from ngcell.geometry.enclosure import winding_numbers
 from ngcell.geometry.near import near_pairs
@@ -40,7 +40,7 @@ def test_touching_solids_share_no_node_and_face_each_other():
     assert bodies.dimension == 3
     assert ngsolve.Integrate(ngsolve.CF(1), bodies.mesh) == pytest.approx(2, rel=1e-12)
     space = DisplacementSpace(bodies, 2)
-    walls = find_walls(bodies, space.scalar, space.rest)
+    walls = find_surface(bodies, space.scalar, space.rest)
     assert walls.weights.sum() == pytest.approx(12, rel=1e-12)
     assert (walls.weights > 0).all()
     outward = walls.chord_normals(walls.rest)
@@ -57,7 +57,7 @@ def test_touching_solids_share_no_node_and_face_each_other():
 def test_curved_faces_follow_the_sphere(order):
     bodies = mesh_shapes([occ.Sphere((0, 0, 0), 1.0).solids[0]], ["ball"], order=order, size=0.5)
     space = DisplacementSpace(bodies, order)
-    walls = find_walls(bodies, space.scalar, space.rest)
+    walls = find_surface(bodies, space.scalar, space.rest)
     assert walls.weights.sum() == pytest.approx(4 * pi, rel={1: 0.2, 2: 5e-3, 3: 1e-3}[order])
     radius = np.linalg.norm(walls.rest, axis=2)
     assert np.abs(radius - 1).max() < {1: 1e-12, 2: 1e-3, 3: 1e-3}[order]

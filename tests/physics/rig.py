@@ -11,7 +11,7 @@ import numpy as np
 from netgen import occ
 
 from ngcell.contact.methods.stages import contact_stages
-from ngcell.contact.surface.walls import find_walls
+from ngcell.contact.surface.find import find_surface
 from ngcell.geometry.shapes import mesh_shapes
 from ngcell.mechanics.bulk import BulkEnergy
 from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
@@ -93,7 +93,7 @@ class Equilibrium:
         """Which of the contact points lie in a box at rest."""
         walls = self.rig.assembly.contact.walls
         pairs = self.accepted.minimum.state.contact.kinematics.pairs
-        point = walls.places(pairs.edge, pairs.here, walls.rest)
+        point = walls.places(pairs.primary, pairs.primary_xi, walls.rest)
         return ((point >= low) & (point <= high)).all(1)
 
     def vertices(self, boundary: str) -> np.ndarray:
@@ -146,7 +146,7 @@ class Rig:
         self.assembly = self.stages[-1]
 
     def _stages(self) -> list[Assembly]:
-        walls = find_walls(self.bodies, self.space.scalar, self.space.rest)
+        walls = find_surface(self.bodies, self.space.scalar, self.space.rest)
         moduli = np.array([law.plane_strain_modulus for law in self.laws])
         methods = contact_stages(self.scene.contact, walls, moduli, reach=self.bodies.thickness)
         return [Assembly(self.space, self.bulk, self.motion.fixed, contact=method) for method in methods]

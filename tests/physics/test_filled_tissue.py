@@ -10,7 +10,7 @@ import pytest
 from ngcell import Case, simulate
 from ngcell.build.observation import Step
 from ngcell.build.simulation import Simulation
-from ngcell.contact.surface.walls import WallPoints
+from ngcell.contact.surface.surface import SurfacePoints
 
 WALL = {"kind": "mooney-rivlin", "c1": 1.0, "c2": 1.0, "bulk_modulus": 100.0}
 GEL = {"kind": "mooney-rivlin", "c1": 0.01, "c2": 0.0, "bulk_modulus": 10.0}
@@ -47,9 +47,9 @@ def test_pressure_in_confined_cells_of_any_wall_moves_nothing_and_comes_back_as_
     )
     simulation = Simulation(case)
     (step,) = simulation.accepted_steps()
-    edge = np.unique(simulation.scene.facing.edge)
+    edge = np.unique(simulation.scene.facing.facet)
     places = np.linspace(0.01, 0.99, 7)
-    points = WallPoints(np.repeat(edge, 7), np.tile(places, len(edge)), np.zeros(7 * len(edge)))
+    points = SurfacePoints(np.repeat(edge, 7), np.tile(places, len(edge)), np.zeros(7 * len(edge)))
     found = simulation.released.contact.pressures(simulation.released.positions(step.displacement), points)
     np.testing.assert_allclose(found, pressure, rtol=1e-3)
     assert np.abs(step.displacement).max() < 1e-3

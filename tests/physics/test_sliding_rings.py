@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ngcell.results.overlap import deepest_overlap
+from ngcell.results.outline_overlap import deepest_overlap
 from ngcell.scene.bodies import Body, BodyScene, BodySupport
 from tests.physics.rig import Equilibrium, Rig, ring, rubber
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from netgen import meshing, occ
 
-from ngcell.contact.surface.walls import find_walls
+from ngcell.contact.surface.find import find_surface
 from ngcell.errors import GeometryError
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.lattice import hexagonal_lattice
@@ -59,8 +59,8 @@ def assembled(bodies: BodyMesh, order: int) -> Assembly:
 
 
 def snapshot(assembly: Assembly, displacement: np.ndarray, **changes) -> Snapshot:
-    walls = find_walls(assembly.space.bodies, assembly.space.scalar, assembly.space.rest)
-    nothing = np.zeros((walls.edge_count, 3))
+    walls = find_surface(assembly.space.bodies, assembly.space.scalar, assembly.space.rest)
+    nothing = np.zeros((walls.facet_count, 3))
     given = dict(step=4, load_factor=0.5, plate_displacement=0.2, gap=nothing, contact_pressure=nothing)
     return take_snapshot(assembly, displacement.ravel(), walls=walls, **(given | changes))
 
@@ -187,7 +187,7 @@ def test_cells_know_their_body_and_whether_it_is_free():
 def test_walls_carry_gap_and_pressure_at_their_ends_and_middle():
     assembly = assembled(rings(), 2)
     space = assembly.space
-    walls = find_walls(space.bodies, space.scalar, space.rest)
+    walls = find_surface(space.bodies, space.scalar, space.rest)
     at = walls.basis.values(np.array([0.0, 0.5, 1.0])) @ walls.rest
     grid = snapshot(assembly, np.zeros(space.unknowns), gap=at[..., 0], contact_pressure=at[..., 1]).walls
     assert grid.cell_type == 21
@@ -201,7 +201,7 @@ def test_walls_carry_gap_and_pressure_at_their_ends_and_middle():
 def test_slaves_follow_their_masters():
     bodies = rings()
     space = DisplacementSpace(bodies, 2)
-    tie = tie_walls(find_walls(bodies, space.scalar, space.rest), space.size)
+    tie = tie_walls(find_surface(bodies, space.scalar, space.rest), space.size)
     bulk = BulkEnergy(space, [SOFT] * 3)
     tied = Assembly(space, bulk, np.zeros((2, space.size), dtype=bool), tie=tie)
     affine = space.affine(STRETCHED - np.eye(2), np.zeros(2)).ravel()

@@ -9,32 +9,33 @@ import numpy as np
 import pytest
 from netgen import occ
 
-from ngcell.contact.surface.walls import Walls, find_walls
+from ngcell.contact.surface.find import find_surface
+from ngcell.contact.surface.surface import Surface
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.lattice import Lattice, hexagonal_lattice
 from ngcell.geometry.rings import ring_mesh
 from ngcell.geometry.shapes import mesh_shapes
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.results import solid_overlap
-from ngcell.results.overlap import deepest_overlap
+from ngcell.results.outline_overlap import deepest_overlap
 from ngcell.results.solid_overlap import deepest_overlap_of_solids
 
 ORDERS = (1, 2, 3, 4)
 APOTHEM = np.sqrt(3) / 2
 
 
-def walls_of(bodies: BodyMesh, order: int = 2) -> Walls:
+def walls_of(bodies: BodyMesh, order: int = 2) -> Surface:
     space = DisplacementSpace(bodies, order)
-    return find_walls(bodies, space.scalar, space.rest)
+    return find_surface(bodies, space.scalar, space.rest)
 
 
-def tissue(lattice: Lattice, order: int = 2, *, edges: int = 2, radius: float = 0.0) -> Walls:
+def tissue(lattice: Lattice, order: int = 2, *, edges: int = 2, radius: float = 0.0) -> Surface:
     supports = {"low": lattice.hull_walls(0, -1)}
     mesh = ring_mesh(lattice, wall=0.1, radius=radius, edges=edges, layers=1, supports=supports)
     return walls_of(mesh, order)
 
 
-def shapes(faces: dict[str, occ.Face], walls: str, order: int = 2) -> Walls:
+def shapes(faces: dict[str, occ.Face], walls: str, order: int = 2) -> Surface:
     """Walls of one body a face; edges named as in `walls` (a regular expression) are walls."""
     for name, face in faces.items():
         face.faces.name = name
@@ -49,7 +50,7 @@ def turned(nodes: np.ndarray, angle: float) -> np.ndarray:
     return nodes @ np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
 
 
-def moved(walls: Walls, body: int, translation: tuple[float, float]) -> np.ndarray:
+def moved(walls: Surface, body: int, translation: tuple[float, float]) -> np.ndarray:
     return walls.rest + (walls.body == body)[:, None, None] * np.array(translation)
 
 
@@ -111,7 +112,7 @@ def test_an_inclusion_in_a_hole_overlaps_only_where_it_leaves_it():
     assert deepest_overlap(walls, np.where((walls.body == 1)[:, None, None], 0.9, 1) * walls.rest) == 0
 
 
-def two_blocks(lower_walls: str) -> Walls:
+def two_blocks(lower_walls: str) -> Surface:
     lower, upper = occ.MoveTo(0, -1).Rectangle(1, 1).Face(), occ.MoveTo(0, 0).Rectangle(1, 1).Face()
     upper.edges.name = "upper"
     lower.edges.name = "lower"
@@ -150,12 +151,12 @@ def test_depths_in_curved_solids_are_those_of_their_surfaces(monkeypatch):
     balls = [occ.Sphere((1.9 * number, 0, 0), 1) for number in range(2)]
     bodies = mesh_shapes(balls, ["one", "two"], order=3, size=0.8)
     space = DisplacementSpace(bodies, 3)
-    walls = find_walls(bodies, space.scalar, space.rest)
+    walls = find_surface(bodies, space.scalar, space.rest)
     xi = np.concatenate([walls.quadrature_points, walls.basis.nodes])
     point = walls.basis.values(xi) @ walls.nodes(space.rest)
     centre = np.where(walls.body == 0, 1.9, 0.0)[:, None, None] * [1.0, 0.0, 0.0]
     exact = 1 - np.linalg.norm(point - centre, axis=2).min()
-    fine = deepest_overlap_of_solids(space, walls, space.rest)
+    fine = deepest_overlap_of_solids(walls, space, space.rest)
     monkeypatch.setattr(solid_overlap, "_FINE_PIECES", solid_overlap._PIECES)
-    coarse = deepest_overlap_of_solids(space, walls, space.rest)
+    coarse = deepest_overlap_of_solids(walls, space, space.rest)
     assert abs(fine - exact) < 1e-3 < abs(coarse - exact)

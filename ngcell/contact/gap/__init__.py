@@ -1,1 +1,1 @@
-"""."""
+"""The normal gap of contact pairs as a function of the unknowns, and its derivatives."""

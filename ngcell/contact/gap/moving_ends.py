@@ -1,4 +1,4 @@
-"""What it adds to a weighted gap that its segments end at vertices of the other wall, which slide along."""
+"""What the ends of segments add to weighted gaps: vertices of the other wall, which slide along with it."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Cuts:
         return self.share @ self.kinematics.jacobian(gap[:, None] * moved, positions.shape[1])
 
     def curvature(self, positions: Array, normal_force: Array) -> sparse.coo_array:
-        """Return what moving ends add to the tangent under the forces `push` of the multipliers, shape (m,)."""
+        """Return what moving ends add to the tangent under the multipliers' forces, shape (m,) [stress * length]."""
         applied = self.share.T @ normal_force
         chosen = np.flatnonzero(applied)
         _, slopes = self.kinematics.slopes(positions)
@@ -57,4 +57,4 @@ class Cuts:
         """Return the derivatives of the ends by ``(a, t)``, shape (n, 4)."""
         a, t = self.kinematics.vectors(positions)
         along = np.einsum("nd,nd->n", self.slope, t)
-        return -np.column_stack([t, a]) / along[:, None]
+        return np.asarray(-np.column_stack([t, a]) / along[:, None])

@@ -1,1 +1,1 @@
-"""."""
+"""What keeps walls apart and together: penalty, mortar method, cohesion."""

@@ -23,16 +23,17 @@ concave in ``lambda^2``, so the secant stiffness lies above the tangent.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
 from ngcell.contact.gap.kinematics import GapKinematics
-from ngcell.contact.pairing.search import ContactPairs, near_edges
-from ngcell.contact.pairing.segments import find_segments, segment_pairs
-from ngcell.contact.surface.walls import Walls
+from ngcell.contact.gap.midsurface import midsurface_kinematics
+from ngcell.contact.pairing.mortar_points import mortar_points
+from ngcell.contact.pairing.near import near_facets
+from ngcell.contact.surface.surface import Surface
 from ngcell.errors import CaseError
 
 Array = NDArray[np.float64]
@@ -200,7 +201,7 @@ class Bonds:
         return blocks
 
 
-def bond_walls(walls: Walls, law: ExponentialLaw) -> Bonds:
+def bond_walls(walls: Surface, law: ExponentialLaw) -> Bonds:
     """Bond all walls that coincide at rest, each pair by the points of a Gauss rule; meshes need not match.
 
     Raises
@@ -209,67 +210,13 @@ def bond_walls(walls: Walls, law: ExponentialLaw) -> Bonds:
         If no walls coincide.
     """
     reach = _COINCIDENCE * float(walls.sizes.min())
-    one, two = near_edges(walls, walls.rest, reach)
+    one, two = near_facets(walls, walls.rest, reach)
     first = walls.body[one] < walls.body[two]
-    pairs = _opposite(walls, one[first], two[first], reach)
-    points = walls.places(pairs.edge, pairs.here, walls.rest)
-    apart = np.linalg.norm(points - walls.places(pairs.other, pairs.xi, walls.rest), axis=1)
-    pairs = _chosen(pairs, np.flatnonzero(apart < reach))
+    pairs = mortar_points(walls, walls.rest, one[first], two[first], reach)
+    points = walls.places(pairs.primary, pairs.primary_xi, walls.rest)
+    apart = np.linalg.norm(points - walls.places(pairs.secondary, pairs.secondary_xi, walls.rest), axis=1)
+    pairs = pairs.chosen(apart < reach)
     if not len(pairs):
         raise CaseError("cohesion has nothing to hold together: no walls coincide at rest; allowed: walls that do")
-    bodies = np.column_stack([walls.body[pairs.edge], walls.body[pairs.other]])
-    return Bonds(law, _kinematics(walls, pairs), bodies)
-
-
-def _opposite(walls: Walls, one: Index, two: Index, reach: float) -> ContactPairs:
-    """Return the points of a rule on what faces each other at rest of pairs of edges."""
-    if walls.dimension == 2:
-        return segment_pairs(walls, walls.rest, find_segments(walls, walls.rest, one, two), reach)[0]
-    from ngcell.contact.pairing.intersections import find_intersections, intersection_pairs
-
-    return intersection_pairs(walls, walls.rest, find_intersections(walls, walls.rest, one, two), reach)
-
-
-def _chosen(pairs: ContactPairs, which: Index) -> ContactPairs:
-    return ContactPairs(**{name: array[which] for name, array in vars(pairs).items() if array is not None})
-
-
-def _kinematics(walls: Walls, pairs: ContactPairs) -> GapKinematics:
-    """Return the maps to ``a`` and to the tangents of the wall between both points, the mean of the two walls'."""
-    primary, secondary = walls.trace(pairs.edge, pairs.here), walls.trace(pairs.other, pairs.xi)
-    mine, theirs = (
-        np.stack(
-            [np.einsum("pi,pid->pd", walls.basis.values(xi, by), walls.rest[edge]) for by in walls.directions], axis=1
-        )
-        for edge, xi in ((pairs.edge, pairs.here), (pairs.other, pairs.xi))
-    )
-    pace, tangents = _paces(mine, theirs), []
-    for number, by in enumerate(walls.directions):
-        along_secondary = walls.trace(pairs.other, pairs.xi, derivative=by)
-        along_primary = np.zeros_like(primary)
-        for own, own_by in enumerate(walls.directions):
-            along_primary += pace[:, own, number, None] * walls.trace(pairs.edge, pairs.here, derivative=own_by)
-        tangents.append(np.concatenate([along_primary, along_secondary], axis=1) / 2)
-    kinematics = GapKinematics(
-        pairs=pairs,
-        dofs=np.concatenate([walls.dofs[pairs.edge], walls.dofs[pairs.other]], axis=1),
-        offset=np.concatenate([primary, -secondary], axis=1),
-        tangent=tangents[0],
-        side=walls.side[pairs.other],
-        correction=np.zeros(len(pairs)),
-    )
-    if walls.dimension == 2:
-        return kinematics
-    from ngcell.contact.gap.facets import FacetGap
-
-    flat = np.zeros((len(pairs), 2, 2))
-    return replace(kinematics, correction=flat, other_tangent=tangents[1], shape=FacetGap())
-
-
-def _paces(mine: Array, theirs: Array) -> Array:
-    """Return the rates of a wall's own coordinates by those of the wall opposite, whose tangents lie in one plane.
-
-    Walls of two bodies run in directions and at speeds of their own. Tangents have shape (bonds, tangents, dimension).
-    """
-    metric, mixed = mine @ mine.transpose(0, 2, 1), mine @ theirs.transpose(0, 2, 1)
-    return np.asarray(mixed / metric if mine.shape[1] == 1 else np.linalg.solve(metric, mixed))
+    bodies = np.column_stack([walls.body[pairs.primary], walls.body[pairs.secondary]])
+    return Bonds(law, midsurface_kinematics(walls, pairs), bodies)

@@ -1,21 +1,27 @@
 """Points at which weighted gaps are integrated over the walls that have multipliers.
 
-In the plane segments are found anew in each state, and their ends move with it. In three dimensions polygons are found where
-multipliers are updated, and their points stay on their wall until then; their contact pairs are found anew in each state. So
-there is one energy for each set of multipliers, nothing of it depends on how polygons move, and at the end, where nothing
-moves any more, the rule is that of the polygons of the equilibrium.
+In the plane segments are found anew in each state, and their ends move with it. In three dimensions polygons are found
+where multipliers are updated, and their points stay on their wall until then; their contact pairs are found anew in
+each state. So there is one energy for each set of multipliers, nothing of it depends on how polygons move, and at the
+end, where nothing moves any more, the rule is that of the polygons of the equilibrium.
 """
 
 from __future__ import annotations
 
+from functools import singledispatch
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.pairing.search import ContactPairs, NearEdges, PairSearch
+from ngcell.contact.pairing.intersections import find_intersections, intersection_pairs
+from ngcell.contact.pairing.near import NearFacets
+from ngcell.contact.pairing.pairs import ContactPairs
+from ngcell.contact.pairing.search import PairSearch
 from ngcell.contact.pairing.segments import find_segments, segment_pairs
-from ngcell.contact.surface.walls import WallPoints, Walls
+from ngcell.contact.surface.edges import EdgeSurface
+from ngcell.contact.surface.facets import FacetSurface
+from ngcell.contact.surface.surface import Surface, SurfacePoints
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -36,7 +42,7 @@ class SegmentIntegration:
 
     Parameters
     ----------
-    walls : Walls
+    walls : EdgeSurface
         The walls.
     reach : float
         Distance up to which walls are paired [length].
@@ -44,14 +50,14 @@ class SegmentIntegration:
         Of a pair, the body with the lower rank has the multipliers.
     """
 
-    def __init__(self, walls: Walls, reach: float, rank: Index) -> None:
+    def __init__(self, walls: EdgeSurface, reach: float, rank: Index) -> None:
         self._walls, self._reach, self._rank = walls, reach, rank
-        self._near = NearEdges(walls, reach)
+        self._near = NearFacets(walls, reach)
 
     def points(self, nodes: Array) -> tuple[ContactPairs, ContactPairs | None]:
         """Return the points of the segments of this state, and their ends."""
-        edge, other = _lifting(self._walls, self._rank, *self._near.pairs(nodes))
-        segments = find_segments(self._walls, nodes, edge, other)
+        primary, secondary = _with_multipliers(self._walls, self._rank, *self._near.pairs(nodes))
+        segments = find_segments(self._walls, nodes, primary, secondary)
         return segment_pairs(self._walls, nodes, segments, self._reach)
 
     def renew(self, nodes: Array) -> bool:
@@ -62,9 +68,9 @@ class SegmentIntegration:
 class IntersectionIntegration:
     """The rule in three dimensions; parameters as in the plane."""
 
-    def __init__(self, walls: Walls, reach: float, rank: Index) -> None:
+    def __init__(self, walls: FacetSurface, reach: float, rank: Index) -> None:
         self._walls, self._reach, self._rank = walls, reach, rank
-        self._near = NearEdges(walls, reach)
+        self._near = NearFacets(walls, reach)
         self._search: PairSearch | None = None
         self._faced = np.zeros(0, dtype=np.int64)
 
@@ -74,25 +80,31 @@ class IntersectionIntegration:
             self.renew(nodes)
         assert self._search is not None
         found = self._search.pairs(nodes)
-        kept = np.flatnonzero(self._walls.body[found.other] == self._faced[found.point])
-        return ContactPairs(**{name: array[kept] for name, array in vars(found).items()}), None
+        return found.chosen(self._walls.body[found.secondary] == self._faced[found.point]), None
 
     def renew(self, nodes: Array) -> bool:
         """Find the polygons at deformed nodes."""
-        from ngcell.contact.pairing.intersections import find_intersections, intersection_pairs
-
-        edge, other = _lifting(self._walls, self._rank, *self._near.pairs(nodes))
-        found = intersection_pairs(self._walls, nodes, find_intersections(self._walls, nodes, edge, other), self._reach)
-        self._search = PairSearch(self._walls, WallPoints(found.edge, found.here, found.weight), self._reach)
-        self._faced = self._walls.body[found.other]
+        walls = self._walls
+        primary, secondary = _with_multipliers(walls, self._rank, *self._near.pairs(nodes))
+        polygons = find_intersections(walls, nodes, primary, secondary)
+        found = intersection_pairs(walls, nodes, polygons, self._reach)
+        points = SurfacePoints(found.primary, found.primary_xi, found.weight)
+        self._search = PairSearch(walls, points, self._reach)
+        self._faced = walls.body[found.secondary]
         return True
 
 
-def integration(walls: Walls, reach: float, rank: Index) -> Integration:
-    """Return the rule for walls of this dimension."""
-    return (SegmentIntegration if walls.dimension == 2 else IntersectionIntegration)(walls, reach, rank)
+@singledispatch
+def integration(walls: Surface, reach: float, rank: Index) -> Integration:
+    """Return the rule for a surface; parameters as for `SegmentIntegration`."""
+    raise NotImplementedError(type(walls))
 
 
-def _lifting(walls: Walls, rank: Index, edge: Index, other: Index) -> tuple[Index, Index]:
-    has_multiplier = rank[walls.body[edge]] < rank[walls.body[other]]
-    return edge[has_multiplier], other[has_multiplier]
+integration.register(EdgeSurface, SegmentIntegration)
+integration.register(FacetSurface, IntersectionIntegration)
+
+
+def _with_multipliers(walls: Surface, rank: Index, one: Index, two: Index) -> tuple[Index, Index]:
+    """Return the pairs of facets whose first one has the multipliers."""
+    has_multiplier = rank[walls.body[one]] < rank[walls.body[two]]
+    return one[has_multiplier], two[has_multiplier]

@@ -1,141 +1,58 @@
-"""Unilateral contact by a mortar method: the contact pressure is an unknown, and no overlap pays for it.
+"""Unilateral contact by a mortar method: the contact pressure is an unknown, and arises without any overlap.
 
 For each function psi of the multiplier space on one wall of a pair, with integrals over the wall at rest,
 
     gap_psi = integral psi g / integral psi >= 0,   pressure_psi >= 0,   pressure_psi gap_psi = 0.
 
-One body of each pair has the multiplier: the softer, then the finer one. Integrals are taken segment by segment.
+One body of each pair has the multiplier: the softer, then the finer one. Integrals are taken segment by segment, in
+three dimensions over intersection polygons, whose points are found where pressures are updated and stay in between.
 
-A weighted gap does not see a corner, or two walls bent towards each other, sink in between its points: there the
-pressure is a point force, which no polynomial holds. So the vertices of both walls and the quarters of their edges
-are constrained, too. Each has a multiplier of its own that acts once the point is deeper than `ALLOWED` of its edge, and by
-as much as the outline at rest rises there; outlines of order 1, polygons that stand for what bends, are read off where
-a path hands over to the mortar method. The allowance falls with the mesh; it keeps point constraints out of smooth
-contact, where they would take pressure from walls.
+A weighted gap does not notice where a corner, or two walls bent towards each other, sink in between its points: there
+the pressure is a point force, which no polynomial represents. So the vertices of both walls and the quarters of their
+facets are constrained, too. Each of these point constraints has a multiplier of its own, which acts once the point is
+deeper than an allowance: the share `ALLOWED` of its facet's size, plus the sagitta of the surface at rest. Surfaces of
+order 1 are polygons that stand for what bends; their sagitta is also taken where the continuation hands over to the
+mortar method. The allowance falls with the mesh; it keeps point constraints out of smooth contact, where they would
+take pressure from walls.
 
 Conditions are met by the method of multipliers, a proximal form of the semismooth Newton (primal-dual active set)
-method: penalty terms ``stiffness min(0, gap - pressure / stiffness)^2 / 2`` have, at fixed pressures, an energy that the
-solver descends; pressures then become what the penalty terms push with, until nothing changes. Penalty terms only set the pace:
-each update leaves of the gaps about the share of the walls' own stiffness in that of the penalty terms.
+method: penalty terms ``stiffness min(0, gap - pressure / stiffness)^2 / 2`` have, at fixed pressures, an energy that
+the solver descends; the pressures of the penalty terms then become the new multipliers, until nothing changes. Penalty
+terms only set the pace: each update leaves a share of the gaps that is about the walls' own stiffness over theirs.
 
 Why this variant. Multipliers that are continuous and one order lower than the trace are stable beside it for any mesh
 of the other body, and Bernstein polynomials keep pressures positive; dual multipliers only pay where multipliers are
-eliminated, which penalty terms do already. Segments, because a rule that ignores the other mesh misses the patch test by
-the jumps it steps over. Integrals at rest, so that weights do not move. Each wall has multipliers of its own, broken at
-sharp corners, so three cells that meet at a corner have three conditions on six unknowns and none twice.
-
-In three dimensions walls are faces and segments polygons: their points are found where pressures are updated, and stay in between.
+eliminated, which penalty terms do already. Segments, because a rule that ignores the other mesh misses the patch test
+by the jumps it steps over. Integrals at rest, so that weights do not move. Each wall has multipliers of its own, broken
+at sharp corners, so three cells that meet at a corner have three conditions on six unknowns and none twice.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ngcell.contact.gap.kinematics import GapKinematics, gap_kinematics
+from ngcell.contact.gap.by_surface import gap_kinematics
 from ngcell.contact.gap.moving_ends import Cuts
 from ngcell.contact.methods.integration import integration
+from ngcell.contact.methods.mortar_set import MortarSet
 from ngcell.contact.methods.multipliers import MultiplierSpace, constrained_points, sagitta
 from ngcell.contact.methods.protocol import ContactMethod, ContactSet
-from ngcell.contact.pairing.search import ContactPairs, PairSearch, adjacency
-from ngcell.contact.pairing.segments import FACING
-from ngcell.contact.surface.walls import WallPoints, Walls
+from ngcell.contact.pairing.near import adjacency, facing
+from ngcell.contact.pairing.pairs import ContactPairs, joined
+from ngcell.contact.pairing.search import PairSearch
+from ngcell.contact.surface.surface import Surface, SurfacePoints
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-#: How deep a point constraint may sink in, as a share of its edge.
+#: How deep a constrained point may sink in, as a share of the size of its facet.
 ALLOWED = 2.5e-4
 #: By how much penalty terms are stiffened where updates are slow, and at most in all.
 PENALTY_INCREASE, MOST_INCREASE = 10.0, 1e4
-
-
-@dataclass(frozen=True, eq=False)
-class MortarSet:
-    """Weighted gaps with the contact pairs found in one state.
-
-    Attributes
-    ----------
-    kinematics : GapKinematics
-        The points behind the gaps.
-    cuts : Cuts or None
-        The ends of the segments, which move as walls slide; None in three dimensions.
-    rows : array of int, shape (m,)
-        Multiplier of each weighted gap.
-    average : csr_array, shape (m, contact pairs)
-        Share of each point in the weighted gaps.
-    allowance : array of float, shape (m,)
-        What is added to the gaps [length].
-    pressure : array of float, shape (m,)
-        Multipliers at which the set was made [stress].
-    stiffness : array of float, shape (m,)
-        Stiffness of the penalty terms [stress / length].
-    weight : array of float, shape (m,)
-        Length that each multiplier acts on [length].
-    """
-
-    kinematics: GapKinematics
-    cuts: Cuts | None
-    rows: Index
-    average: sparse.csr_array
-    allowance: Array
-    pressure: Array
-    stiffness: Array
-    weight: Array
-
-    @property
-    def keys(self) -> Index:
-        """What tells the penalty terms of different states apart: the multipliers."""
-        return self.rows
-
-    def gaps(self, positions: Array) -> Array:
-        """Return the gaps of the penalty terms [length], shape (m,)."""
-        return self.weighted_gaps(positions) - self.pressure / self.stiffness
-
-    def weighted_gaps(self, positions: Array) -> Array:
-        """Return the gaps that may not be negative [length], shape (m,)."""
-        return self.average @ self.kinematics.gaps(positions) + self.allowance
-
-    def pressures(self, positions: Array) -> Array:
-        """Return the pressures that the penalty terms push with [stress], >= 0, shape (m,)."""
-        return np.maximum(self.pressure - self.stiffness * self.weighted_gaps(positions), 0)
-
-    def energy(self, positions: Array) -> float:
-        """Return the energy of the penalty terms above that of pressures at rest; 0 where all conditions hold."""
-        normal_force = self.pressures(positions)
-        return float(0.5 * (self.weight / self.stiffness * (normal_force**2 - self.pressure**2)).sum())
-
-    def penalty_terms(self, positions: Array) -> tuple[Array, sparse.csr_array, Array]:
-        """Return one one-sided penalty term a weighted gap."""
-        gap, slopes = self.kinematics.slopes(positions)
-        jacobian = self.average @ self.kinematics.jacobian(slopes, positions.shape[1])
-        if self.cuts is not None:
-            jacobian += self.cuts.jacobian(positions)
-        moved = self.average @ gap + self.allowance - self.pressure / self.stiffness
-        return moved, jacobian.tocsr(), self.stiffness * self.weight
-
-    def curvature(self, positions: Array) -> sparse.coo_array:
-        """Return the part of the tangent that is due to the curvature of the pressed gaps."""
-        normal_force = self.weight * self.pressures(positions)
-        bending = self.kinematics.bending(positions, self.average.T @ normal_force)
-        return bending if self.cuts is None else bending + self.cuts.curvature(positions, normal_force)
-
-    def contact_forces(self, positions: Array) -> Array:
-        """Return the force that each point transmits [stress * length], >= 0."""
-        return np.asarray(self.average.T @ (self.weight * self.pressures(positions)))
-
-    def missed(self, positions: Array) -> dict[str, float]:
-        """Return the deepest weighted overlap and the work of pressures on weighted gaps."""
-        gaps = self.weighted_gaps(positions)
-        work = self.weight * self.pressures(positions) * gaps
-        return {
-            "weighted_overlap": max(0.0, -float(gaps.min(initial=0.0))),
-            "weighted_complementarity": float(np.abs(work).sum()),
-        }
 
 
 class MortarContact:
@@ -143,63 +60,62 @@ class MortarContact:
 
     Parameters
     ----------
-    walls : Walls
+    walls : Surface
         The walls.
-    stiffness : array of float, shape (edges,)
-        Stiffness of the penalty terms behind each edge [stress / length]; it sets the pace, not the result.
+    stiffness : array of float, shape (facets,)
+        Stiffness of the penalty terms of each facet [stress / length]; it sets the pace, not the result.
     reach : float
         Distance up to which walls are paired [length].
     """
 
-    def __init__(self, walls: Walls, stiffness: Array, reach: float) -> None:
+    def __init__(self, walls: Surface, stiffness: Array, reach: float) -> None:
         self.walls = walls
         self.stiffness = stiffness
         self.reach = reach
         self.space = MultiplierSpace(walls)
-        self._rank = _carriers_first(walls, stiffness)
+        self._rank = _softer_first(walls, stiffness)
         self._integration = integration(walls, reach, self._rank)
-        edge, xi = constrained_points(walls)
-        self._constrained_edge = edge
-        self._constrained = PairSearch(walls, WallPoints(edge, xi, np.zeros(len(edge))), reach)
-        self._constrained_count, self._bodies = len(edge), int(walls.body.max()) + 1
+        constrained = constrained_points(walls)
+        self._constrained_facet, self._bodies = constrained.facet, int(walls.body.max()) + 1
+        self._constrained = PairSearch(walls, constrained, reach)
         self._allowance = self._allowed(walls.rest)
-        self._weight = self._all_rows(self.space.weight, walls.depth[edge] ** (walls.dimension - 1))
+        self._weight = self._all_rows(self.space.weight, walls.depth[constrained.facet] ** (walls.dimension - 1))
         by_row = np.zeros(self.space.size)
         by_row[self.space.row] = stiffness[:, None]
-        self._stiffness = self._all_rows(by_row, stiffness[edge])
+        self._stiffness = self._all_rows(by_row, stiffness[constrained.facet])
         self.multipliers, self._pace = np.zeros(len(self._weight)), 1.0
 
     def _allowed(self, nodes: Array) -> Array:
-        """Return what is added to the gaps of point constraints. Polygons that bend sagitta more than at rest."""
+        """Return what is added to the gaps of point constraints; the sagitta of polygons grows where they bend."""
         rise = sagitta(self.walls, self.walls.rest)
         if self.walls.basis.order == 1:
             rise = np.maximum(rise, sagitta(self.walls, nodes))
         allowance = ALLOWED * self.walls.sizes + rise
-        return self._all_rows(np.zeros(self.space.size), allowance[self._constrained_edge])
+        return self._all_rows(np.zeros(self.space.size), allowance[self._constrained_facet])
 
     def _all_rows(self, by_function: Array, by_point: Array) -> Array:
         """Return values of all multipliers: functions first, then each point constraint with each body."""
         return np.concatenate([by_function, np.repeat(by_point, self._bodies)])
 
     def follow(self, other: ContactMethod, positions: Array) -> None:
-        """Start from the pressures of another method at an equilibrium of its own; point constraints start from none."""
+        """Start from the pressures of another method at its equilibrium; point constraints start from none."""
         self._integration.renew(self.walls.nodes(positions))
         along, _ = self._integration.points(self.walls.nodes(positions))
-        by_edge = np.argsort(along.edge, kind="stable")
+        by_facet = np.argsort(along.primary, kind="stable")
         pressure = np.zeros(len(along))
-        points = WallPoints(along.edge[by_edge], along.here[by_edge], along.weight[by_edge])
-        pressure[by_edge] = other.pressures(positions, points)
+        points = SurfacePoints(along.primary[by_facet], along.primary_xi[by_facet], along.weight[by_facet])
+        pressure[by_facet] = other.pressures(positions, points)
         rows = np.arange(self.space.size)
         self._pace = 1.0
         self._allowance = self._allowed(self.walls.nodes(positions))
-        self.multipliers = self._all_rows(self._shares(along, rows) @ pressure, np.zeros(self._constrained_count))
+        self.multipliers = self._all_rows(self._shares(along, rows) @ pressure, np.zeros(len(self._constrained_facet)))
 
     def pair(self, positions: Array) -> MortarSet:
-        """Find all segments and point constraints at `positions`, unknowns of shape (2, scalar unknowns)."""
+        """Find all points of the rule and point constraints at `positions`, shape (dimension, scalar unknowns)."""
         nodes = self.walls.nodes(positions)
         along, ends = self._integration.points(nodes)
         constrained = self._constrained.pairs(nodes)
-        pairs = ContactPairs(*(np.concatenate(pair) for pair in zip(_arrays(along), _arrays(constrained), strict=True)))
+        pairs = joined([along, constrained])
         rows, average = self._averages(along, constrained)
         return MortarSet(
             kinematics=gap_kinematics(self.walls, pairs, positions),
@@ -213,28 +129,28 @@ class MortarContact:
         )
 
     def _cuts(self, ends: ContactPairs, rows: Index, positions: Array, nodes: Array) -> Cuts:
-        slope = np.einsum("pi,pid->pd", self.walls.basis.values(ends.here, 1), nodes[ends.edge])
+        (slope,) = self.walls.tangents(ends.primary, ends.primary_xi, nodes)
         return Cuts(gap_kinematics(self.walls, ends, positions), self._shares(ends, rows), slope)
 
     def _averages(self, along: ContactPairs, constrained: ContactPairs) -> tuple[Index, sparse.csr_array]:
         """Return the multipliers that have points, and the share of each point in their gaps."""
-        point_row = self.space.size + constrained.point * self._bodies + self.walls.body[constrained.other]
-        rows = np.unique(np.concatenate([self.space.row[along.edge].ravel(), point_row]))
+        point_row = self.space.size + constrained.point * self._bodies + self.walls.body[constrained.secondary]
+        rows = np.unique(np.concatenate([self.space.row[along.primary].ravel(), point_row]))
         place = np.searchsorted(rows, point_row), np.arange(len(point_row))
         point_share = sparse.csr_array((np.ones(len(point_row)), place), shape=(len(rows), len(point_row)))
         return rows, sparse.hstack([self._shares(along, rows), point_share], format="csr")
 
     def _shares(self, points: ContactPairs, rows: Index) -> sparse.csr_array:
         """Return psi times the weight of each point over the integral of psi, shape (rows, points)."""
-        row = self.space.row[points.edge]
-        share = points.weight[:, None] * self.space.values(points.here) / self.space.weight[row]
+        row = self.space.row[points.primary]
+        share = points.weight[:, None] * self.space.values(points.primary_xi) / self.space.weight[row]
         column = np.repeat(np.arange(len(points)), row.shape[1])
         place = np.searchsorted(rows, row.ravel()), column
         return sparse.csr_array((share.ravel(), place), shape=(len(rows), len(points)))
 
     def couplings(self, positions: Array, margin: float) -> tuple[Index, Index]:
         """Return rows and columns of all scalar unknowns that contact could couple while nothing moves by more
-        than half of `margin` [length]: those of all edges near the support of one multiplier."""
+        than half of `margin` [length]: those of all facets near the support of one multiplier."""
         near = adjacency(self.walls, self.walls.nodes(positions), self.reach + margin)
         row = self.space.row
         spread = sparse.csr_array(
@@ -246,26 +162,26 @@ class MortarContact:
         row, column = (reached.T @ reached).tocoo().coords
         return row.astype(np.int64), column.astype(np.int64)
 
-    def pressures(self, positions: Array, points: WallPoints) -> Array:
+    def pressures(self, positions: Array, points: SurfacePoints) -> Array:
         """Return the contact pressure at points of the walls [stress]; that of a pair is the same on both its walls."""
         nodes = self.walls.nodes(positions)
         multipliers = self._applied(self.pair(positions), positions)[: self.space.size]
-        pairs = PairSearch(self.walls, points, self.reach).pairs(nodes)
-        has_multiplier = self._rank[self.walls.body[pairs.edge]] < self._rank[self.walls.body[pairs.other]]
-        edge = np.where(has_multiplier, pairs.edge, pairs.other)
-        xi = np.where(has_multiplier.reshape(-1, *(1,) * (pairs.xi.ndim - 1)), pairs.here, pairs.xi)
-        pressure = (self.space.values(xi) * multipliers[self.space.row[edge]]).sum(1)
-        normal = self.walls.chord_normals(nodes)
-        faces = np.einsum("pd,pd->p", normal[pairs.edge], normal[pairs.other]) < FACING
-        best = np.zeros(len(points.edge))
-        np.maximum.at(best, pairs.point, np.where(faces & (has_multiplier | ~pairs.at_end), pressure, 0.0))
-        return best
+        pairs, body = PairSearch(self.walls, points, self.reach).pairs(nodes), self.walls.body
+        has_multiplier = self._rank[body[pairs.primary]] < self._rank[body[pairs.secondary]]
+        facet = np.where(has_multiplier, pairs.primary, pairs.secondary)
+        on_primary = has_multiplier.reshape(-1, *(1,) * (pairs.primary_xi.ndim - 1))
+        xi = np.where(on_primary, pairs.primary_xi, pairs.secondary_xi)
+        pressure = (self.space.values(xi) * multipliers[self.space.row[facet]]).sum(1)
+        acts = facing(self.walls, nodes, pairs.primary, pairs.secondary) & (has_multiplier | ~pairs.at_end)
+        largest = np.zeros(len(points.facet))
+        np.maximum.at(largest, pairs.point, np.where(acts, pressure, 0.0))
+        return largest
 
     def update_multipliers(
         self, contact: ContactSet, positions: Array, stored: Callable[[], float]
     ) -> tuple[float, float]:
-        """Take over the pressures of an equilibrium; return the largest gap [length] that their change stands for, and
-        the energy of that change in the penalty terms [stress * length**2]."""
+        """Take the pressures of an equilibrium as multipliers; return the largest gap [length] that their change stands
+        for, and the energy of that change in the penalty terms [stress * length**2]."""
         assert isinstance(contact, MortarSet)
         if self._integration.renew(self.walls.nodes(positions)):
             contact = self.pair(positions)
@@ -276,7 +192,7 @@ class MortarContact:
         return float(missed.max(initial=0.0)), float((stiffness * self._weight * missed**2).sum()) / 2
 
     def increase_penalty(self) -> None:
-        """Stiffen the penalty terms: where walls are confined, the walls' own stiffness is more than they were made for."""
+        """Stiffen the penalty terms: the stiffness of confined walls is more than they were made for."""
         self._pace = min(PENALTY_INCREASE * self._pace, MOST_INCREASE)
 
     def _applied(self, contact: MortarSet, positions: Array) -> Array:
@@ -285,7 +201,7 @@ class MortarContact:
         return applied
 
 
-def _carriers_first(walls: Walls, stiffness: Array) -> Index:
+def _softer_first(walls: Surface, stiffness: Array) -> Index:
     """Return the rank of each body: of a pair, the one with the lower rank has the multiplier."""
     count = int(walls.body.max()) + 1
     softness, size = np.full(count, np.inf), np.zeros(count)
@@ -296,7 +212,3 @@ def _carriers_first(walls: Walls, stiffness: Array) -> Index:
     rank = np.empty(count, dtype=np.int64)
     rank[order] = np.arange(count)
     return rank
-
-
-def _arrays(pairs: ContactPairs) -> tuple[NDArray[np.generic], ...]:
-    return tuple(array for array in vars(pairs).values() if array is not None)

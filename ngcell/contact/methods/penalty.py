@@ -6,10 +6,10 @@ pair are primary in turn, so that no wall is preferred, and each pass has half o
 The stiffness is that of the layer of elements behind the wall, ``k = multiple * M / depth`` with the plane-strain
 modulus M of the softer body of the pair: a contact pressure p then overlaps the walls by about ``p / k``,
 which is what p does to the thickness of `1 / multiple` such layers. Where that is not enough (a wall may be much
-stiffer than its layer, as on a filled cell or a thick ring), penalty terms that took over from softer ones be updated: at an
+stiffer than its layer, as on a filled cell or a thick ring), penalty terms that took over from softer ones adapt: at an
 equilibrium whose overlaps are too deep, or store too large a share of the energy, they are made stiffer and the
 equilibrium is sought again. Where walls bend so much that they sink in between the points of the rule, the rule is
-made finer instead, once.
+made finer instead, once, if the surface has a finer one.
 """
 
 from __future__ import annotations
@@ -22,16 +22,19 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ngcell.contact.gap.kinematics import GapKinematics, gap_kinematics
+from ngcell.contact.gap.by_surface import gap_kinematics
+from ngcell.contact.gap.kinematics import GapKinematics
 from ngcell.contact.methods.protocol import ContactMethod, ContactSet
-from ngcell.contact.pairing.search import ContactPairs, PairSearch, adjacency
-from ngcell.contact.surface.walls import WallPoints, Walls
+from ngcell.contact.pairing.near import adjacency
+from ngcell.contact.pairing.pairs import ContactPairs
+from ngcell.contact.pairing.search import PairSearch
+from ngcell.contact.surface.surface import Surface, SurfacePoints
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-#: Overlap over reach, and energy of the penalty terms over the stored one, above which penalty terms are too soft. A certificate
-#: has the same limits. Overlaps below `NO_OVERLAP` over reach are none.
+#: Overlap over reach, and energy of the penalty terms over the stored one, above which penalty terms are too soft. A
+#: certificate has the same limits. Overlaps below `NO_OVERLAP` over reach are none.
 DEEP, HIGH, NO_OVERLAP = 0.02, 0.01, 1e-7
 #: Overlap between the points of the rule over that at them, above which the rule is to blame and not the penalty terms.
 BETWEEN = 2.0
@@ -41,7 +44,7 @@ STIFFEN, MOST_STIFFENED = 10.0, 1e4
 
 @dataclass(frozen=True, eq=False)
 class PenaltySet:
-    """ContactPairs found in one state, and the penalty energy of any nearby state with these contact pairs.
+    """Contact pairs found in one state, and the penalty energy of any nearby state with these contact pairs.
 
     Attributes
     ----------
@@ -71,7 +74,7 @@ class PenaltySet:
         return self.kinematics.gaps(positions)
 
     def energy(self, positions: Array) -> float:
-        """Return the penalty energy at `positions`, unknowns of shape (2, scalar unknowns)."""
+        """Return the penalty energy at `positions`, unknowns of shape (dimension, scalar unknowns)."""
         overlap = np.minimum(self.kinematics.gaps(positions), 0)
         return float(0.5 * (self.stiffness * overlap**2).sum())
 
@@ -98,17 +101,17 @@ class PenaltyContact:
 
     Parameters
     ----------
-    walls : Walls
+    walls : Surface
         The walls.
-    stiffness : array of float, shape (edges,)
-        Penalty stiffness of each wall edge [stress / length]; a pair takes the softer one.
+    stiffness : array of float, shape (facets,)
+        Penalty stiffness of each facet [stress / length]; a pair takes the softer one.
     reach : float
         Distance up to which walls are paired [length].
-    may_learn : bool
+    may_stiffen : bool
         Whether penalty terms that turn out too soft are made stiffer.
     """
 
-    def __init__(self, walls: Walls, stiffness: Array, reach: float, *, may_stiffen: bool = True) -> None:
+    def __init__(self, walls: Surface, stiffness: Array, reach: float, *, may_stiffen: bool = True) -> None:
         self.walls = walls
         self._derived, self._factor = stiffness, 1.0
         self.reach = reach
@@ -116,22 +119,23 @@ class PenaltyContact:
         self._usual = self._search = PairSearch(walls, walls.quadrature, reach)
 
     @cached_property
-    def _finer(self) -> PairSearch:
-        """The search by the finer rule, made when penalty terms that be updated overlap for the first time."""
-        return PairSearch(self.walls, self.walls.halved(), self.reach)
+    def _finer(self) -> PairSearch | None:
+        """The search by the finer rule, if there is one; made when penalty terms that adapt first overlap."""
+        points = self.walls.halved()
+        return None if points is None else PairSearch(self.walls, points, self.reach)
 
     @property
     def stiffness(self) -> Array:
-        """Penalty stiffness of each wall edge, as far as it has been updated [stress / length], shape (edges,)."""
+        """Penalty stiffness of each facet, as far as it has been raised [stress / length], shape (facets,)."""
         return self._factor * self._derived
 
     def pair(self, positions: Array) -> PenaltySet:
-        """Find all contact pairs at `positions`, unknowns of shape (2, scalar unknowns)."""
+        """Find all contact pairs at `positions`, unknowns of shape (dimension, scalar unknowns)."""
         pairs = self._search.pairs(self.walls.nodes(positions))
         kinematics = gap_kinematics(self.walls, pairs, positions)
         body = self.walls.body
         stiffness = 0.5 * self._pairwise(pairs) * pairs.weight
-        return PenaltySet(kinematics, stiffness, body[pairs.other], int(body.max()) + 1)
+        return PenaltySet(kinematics, stiffness, body[pairs.secondary], int(body.max()) + 1)
 
     def couplings(self, positions: Array, margin: float) -> tuple[Index, Index]:
         """Return rows and columns of all scalar unknowns that contact could couple while nothing moves by more
@@ -141,14 +145,15 @@ class PenaltyContact:
         row, column = (touches.T @ near @ touches).tocoo().coords
         return row.astype(np.int64), column.astype(np.int64)
 
-    def pressures(self, positions: Array, points: WallPoints) -> Array:
-        """Return the contact pressure at points of the walls [stress]: the two passes act as penalty terms side by side."""
+    def pressures(self, positions: Array, points: SurfacePoints) -> Array:
+        """Return the contact pressure at points of the walls [stress]: the sum of that of both passes."""
         pairs = PairSearch(self.walls, points, self.reach).pairs(self.walls.nodes(positions))
         gaps = gap_kinematics(self.walls, pairs, positions).gaps(positions)
-        return np.bincount(pairs.point, -self._pairwise(pairs) * np.minimum(gaps, 0), len(points.edge))
+        pressure = -self._pairwise(pairs) * np.minimum(gaps, 0)
+        return np.bincount(pairs.point, pressure, len(points.facet)).astype(float)
 
     def follow(self, other: ContactMethod, positions: Array) -> None:
-        """Forget what was updated; from now on penalty terms be updated, unless they go on from themselves."""
+        """Take back what was raised; from now on penalty terms adapt, unless they go on from themselves."""
         self._factor, self._stiffens = 1.0, self._may_stiffen and other is not self
         self._search = self._usual
 
@@ -161,35 +166,36 @@ class PenaltyContact:
         deepest = max(0.0, -float(contact.gaps(positions).min(initial=0.0)))
         if deepest <= NO_OVERLAP * self.reach:
             return 0.0, 0.0
-        between = self._deepest_between(positions)
-        if between > max(DEEP * self.reach, BETWEEN * deepest):
-            self._search = self._finer
+        between, finer = self._deepest_between(positions)
+        if finer is not None and between > max(DEEP * self.reach, BETWEEN * deepest):
+            self._search = finer
             return between, 0.0
         if deepest <= DEEP * self.reach and contact.energy(positions) <= HIGH * stored():
             return 0.0, 0.0
         self._factor *= STIFFEN
         return deepest, 0.0
 
-    def _deepest_between(self, positions: Array) -> float:
-        """Return the deepest overlap [length] at the points of the finer rule; 0 where it is in use, and in three dimensions."""
-        if self.walls.dimension == 3 or self._search is not self._usual:
-            return 0.0
-        pairs = self._finer.pairs(self.walls.nodes(positions))
+    def _deepest_between(self, positions: Array) -> tuple[float, PairSearch | None]:
+        """Return the deepest overlap [length] at points of the finer rule, and its search; None once it is used."""
+        finer = self._finer if self._search is self._usual else None
+        if finer is None:
+            return 0.0, None
+        pairs = finer.pairs(self.walls.nodes(positions))
         gaps = gap_kinematics(self.walls, pairs, positions).gaps(positions)
-        return max(0.0, -float(gaps.min(initial=0.0)))
+        return max(0.0, -float(gaps.min(initial=0.0))), finer
 
     def increase_penalty(self) -> None:
-        """Do nothing: stiffer penalty terms are updated as fast as can be."""
+        """Do nothing: penalty terms are stiffened as fast as they can be."""
 
     def _pairwise(self, pairs: ContactPairs) -> Array:
-        return np.minimum(self.stiffness[pairs.edge], self.stiffness[pairs.other])
+        return np.minimum(self.stiffness[pairs.primary], self.stiffness[pairs.secondary])
 
 
-def penalty_stiffness(walls: Walls, modulus_of_body: Array, multiple: float) -> Array:
-    """Return the stiffness of each edge [stress / length] from its body's plane-strain modulus [stress].
+def penalty_stiffness(walls: Surface, modulus_of_body: Array, multiple: float) -> Array:
+    """Return the stiffness of each facet [stress / length] from its body's plane-strain modulus [stress].
 
-    It is the same all over a body, that of its thinnest layer: were it each edge's own, the energy of a closed contact
-    would jump where a point slides from one edge to the next.
+    It is the same all over a body, that of its thinnest layer: were it each facet's own, the energy of a closed
+    contact would jump where a point slides from one facet to the next.
     """
     thinnest = np.full(len(modulus_of_body), np.inf)
     np.minimum.at(thinnest, walls.body, walls.depth)

@@ -1,8 +1,8 @@
 """What a contact method offers, whichever it is. A further method is one new file with these two classes.
 
-Signs and measures: a gap is positive where walls are apart. A push is never negative; it acts along the gap's
-derivative and drives walls apart. A contact pressure, a push for each length, is taken for each *reference* length here
-and turned into the true pressure where it is reported.
+Signs and measures: a gap is positive where walls are apart. A contact force is never negative; it acts along the gap's
+derivative and drives walls apart. A contact pressure is nominal, a force per *reference* length or area, and turned
+into the true pressure where it is reported.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ngcell.contact.gap.kinematics import GapKinematics
-from ngcell.contact.surface.walls import WallPoints, Walls
+from ngcell.contact.surface.surface import Surface, SurfacePoints
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -58,18 +58,15 @@ class ContactSet(Protocol):
 
 
 class ContactMethod(Protocol):
-    """A way to keep walls from passing through each other.
+    """A way to keep walls from passing through each other."""
 
-    Attributes
-    ----------
-    walls : Walls
-        The walls.
-    stiffness : array of float, shape (edges,)
-        Stiffness of the penalty terms behind each edge [stress / length].
-    """
+    @property
+    def walls(self) -> Surface:
+        """The walls."""
 
-    walls: Walls
-    stiffness: Array
+    @property
+    def stiffness(self) -> Array:
+        """Stiffness of the penalty terms of each facet [stress / length], shape (facets,)."""
 
     def pair(self, positions: Array) -> ContactSet:
         """Find all contact pairs."""
@@ -78,7 +75,7 @@ class ContactMethod(Protocol):
         """Return rows and columns of all scalar unknowns that contact could couple while nothing moves by more
         than half of `margin` [length]."""
 
-    def pressures(self, positions: Array, points: WallPoints) -> Array:
+    def pressures(self, positions: Array, points: SurfacePoints) -> Array:
         """Return the contact pressure at points of the walls [stress], >= 0, for each reference length."""
 
     def follow(self, other: ContactMethod, positions: Array) -> None:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ngcell.contact.methods.mortar import MortarContact
 from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
 from ngcell.contact.methods.protocol import ContactMethod
-from ngcell.contact.surface.walls import Walls
+from ngcell.contact.surface.surface import Surface
 from ngcell.scene import Mortar, Penalty
 
 Array = NDArray[np.float64]
@@ -23,7 +23,7 @@ HANDOVER_MULTIPLE = 3.0
 
 
 def contact_stages(
-    choice: Penalty | Mortar, walls: Walls, modulus_of_body: Array, reach: float
+    choice: Penalty | Mortar, walls: Surface, modulus_of_body: Array, reach: float
 ) -> tuple[ContactMethod, ...]:
     """Return contact from the softest, with which paths are followed, to the one that is meant.
 
@@ -31,7 +31,7 @@ def contact_stages(
     ----------
     choice : Penalty or Mortar
         The choice.
-    walls : Walls
+    walls : Surface
         The walls.
     modulus_of_body : array of float, shape (bodies,)
         Plane-strain modulus of each body [stress].

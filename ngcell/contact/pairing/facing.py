@@ -1,6 +1,6 @@
 """Which walls face each other at rest, and the gap between them afterwards.
 
-Facing walls are found from the reference geometry: an edge faces another body if it touches it, or nearly so, with
+Facing walls are found from the reference geometry: a facet faces another body if it touches it, or nearly so, with
 opposite normals. The gap of a facing wall is measured from each of its quadrature points to the nearest point of the
 other body's walls, wherever that has slid, so a parted pair keeps a gap however far it is apart.
 """
@@ -12,13 +12,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.pairing.search import near_edges, nearest_on_body
-from ngcell.contact.surface.walls import Walls
+from ngcell.contact.pairing.near import facing, near_facets
+from ngcell.contact.pairing.search import nearest_on_body
+from ngcell.contact.surface.surface import Surface
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-#: Two edges face each other if their normals differ from opposite by less than about 25 degrees.
+#: Two facets touch face to face if their normals differ from opposite by less than about 25 degrees.
 _OPPOSITE = -0.9
 
 
@@ -32,53 +33,50 @@ class FacingWalls:
         The two bodies of each pair, the lower number first.
     pair : array of int, shape (points,)
         Pair that each point belongs to; every wall contributes its own points.
-    edge, quadrature point : array of int, shape (points,)
-        Edge and quadrature point.
+    facet, quadrature_point : array of int, shape (points,)
+        Facet and quadrature point.
     other : array of int, shape (points,)
         Body that the point faces.
     weight : array of float, shape (points,)
-        Quadrature weight [length], in three dimensions [length**2].
+        Quadrature weight [length], on faces [length**2].
     is_middle : array of bool, shape (points,)
         Whether the point lies in the middle half of its wall.
     """
 
     pairs: Index
     pair: Index
-    edge: Index
+    facet: Index
     quadrature_point: Index
     other: Index
     weight: Array
     is_middle: NDArray[np.bool_]
 
-    def gaps(self, walls: Walls, nodes: Array) -> Array:
+    def gaps(self, walls: Surface, nodes: Array) -> Array:
         """Return the gap of each point [length], open > 0, at the walls' deformed nodes."""
-        point = (walls.quadrature_values @ nodes)[self.edge, self.quadrature_point]
+        point = (walls.quadrature_values @ nodes)[self.facet, self.quadrature_point]
         return nearest_on_body(walls, nodes, point, self.other)
 
 
-def find_facing(walls: Walls, tolerance: float) -> FacingWalls:
+def find_facing(walls: Surface, tolerance: float) -> FacingWalls:
     """Find the walls that face each other at rest within `tolerance` [length]."""
-    one, two = near_edges(walls, walls.rest, tolerance)
-    normal = walls.chord_normals(walls.rest)
-    opposite = np.einsum("ed,ed->e", normal[one], normal[two]) < _OPPOSITE
-    middle = walls.basis.values(walls.basis.centre[None])[0] @ walls.rest
-    edges = np.unique(np.column_stack([one, walls.body[two]])[opposite], axis=0)
-    edge, other = edges.T
-    gap = nearest_on_body(walls, walls.rest, middle[edge], other)
-    edge, other = edge[np.abs(gap) <= tolerance], other[np.abs(gap) <= tolerance]
-    bodies = np.sort(np.column_stack([walls.body[edge], other]), axis=1)
+    one, two = near_facets(walls, walls.rest, tolerance)
+    opposite = facing(walls, walls.rest, one, two, _OPPOSITE)
+    facet, other = np.unique(np.column_stack([one, walls.body[two]])[opposite], axis=0).T
+    gap = nearest_on_body(walls, walls.rest, walls.centres(walls.rest)[facet], other)
+    facet, other = facet[np.abs(gap) <= tolerance], other[np.abs(gap) <= tolerance]
+    bodies = np.sort(np.column_stack([walls.body[facet], other]), axis=1)
     pairs, pair = np.unique(bodies, axis=0, return_inverse=True)
     count = len(walls.quadrature_points)
-    edge, other, pair = (np.repeat(array, count) for array in (edge, other, pair.ravel()))
-    quadrature_point = np.tile(np.arange(count), len(edge) // count)
-    point = (walls.quadrature_values @ walls.rest)[edge, quadrature_point]
-    is_middle = _in_middle_half(2 * pair + (walls.body[edge] > other), point)
-    weight = walls.weights[edge, quadrature_point]
-    parts = (part[weight != 0] for part in (pair, edge, quadrature_point, other, weight, is_middle))
+    facet, other, pair = (np.repeat(array, count) for array in (facet, other, pair.ravel()))
+    quadrature_point = np.tile(np.arange(count), len(facet) // count)
+    point = (walls.quadrature_values @ walls.rest)[facet, quadrature_point]
+    is_middle = _in_middle_half(2 * pair + (walls.body[facet] > other), point)
+    weight = walls.weights[facet, quadrature_point]
+    parts = (part[weight != 0] for part in (pair, facet, quadrature_point, other, weight, is_middle))
     return FacingWalls(pairs, *parts)
 
 
-def count_corners(walls: Walls) -> int:
+def count_corners(walls: Surface) -> int:
     """Return the number of places where walls of three bodies or more meet at rest."""
     corners = walls.basis.corner_nodes
     ends = walls.rest[:, corners].reshape(-1, walls.dimension)

@@ -1,10 +1,10 @@
-"""Where a wall of one body faces a wall of another in three dimensions: polygons in which two faces lie over each other.
+"""Where walls of two bodies face each other in three dimensions: polygons in which two facets lie over each other.
 
-The corners of the other face are projected along the normal of the face onto the plane through its corners, and the
-polygon of the one is clipped by the sides of the other (Sutherland & Hodgman 1974, doi:10.1145/360767.360802). Shape
-functions of both sides are smooth on what is left, and polygons of neighbouring faces have common sides: flat walls are
-covered once, whatever the meshes, which is the condition of the patch test. Sides count as straight: those of curved
-faces bend in the plane by little, and a rule across them is that much less exact.
+The corners of the secondary facet are projected along the normal of the primary one onto the plane through its corners,
+and the one polygon is clipped by the sides of the other (Sutherland & Hodgman 1974, doi:10.1145/360767.360802). Shape
+functions of both facets are smooth on what is left, and polygons of neighbouring facets have common sides: flat walls
+are covered once, whatever the meshes, which is the condition of the patch test. Sides count as straight: those of
+curved facets bend little in the plane, and a rule across them is that much less exact.
 
 A polygon falls into quadrilaterals with a common corner, the last one possibly a triangle, with a Gauss rule on each.
 """
@@ -16,15 +16,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.pairing.closest import closest_on_faces
-from ngcell.contact.pairing.search import ContactPairs
-from ngcell.contact.pairing.segments import FACING
-from ngcell.contact.surface.walls import Walls
+from ngcell.contact.pairing.closest_on_facets import closest_points
+from ngcell.contact.pairing.near import facing
+from ngcell.contact.pairing.pairs import ContactPairs, feet
+from ngcell.contact.surface.facets import FacetSurface
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-#: Share of a face's size by which corners may lie beyond a side and still count as on it, and share of its area below
+#: Share of a facet's size by which corners may lie beyond a side and still count as on it, and share of its area below
 #: which a polygon is left out.
 _ON_SIDE, _SLIVER = 1e-10, 1e-9
 _INVERSE_STEPS = 6
@@ -32,69 +32,58 @@ _INVERSE_STEPS = 6
 
 @dataclass(frozen=True, eq=False)
 class IntersectionPolygons:
-    """Polygons in which faces lie over other faces; all arrays have one entry a polygon.
+    """Polygons in which facets lie over other facets; all arrays have one entry a polygon.
 
     Attributes
     ----------
-    edge, other : array of int
-        The face that is integrated over, and the one it faces.
+    primary, secondary : array of int
+        The facet that is integrated over, and the one it faces.
     plane : array of float, shape (n, corners, 2)
-        Corners of the face in its plane [length].
+        Corners of the primary facet in its plane [length].
     polygon : array of float, shape (n, most corners, 2)
         Corners of the polygon, anticlockwise, the last one repeated where there are fewer.
     """
 
-    edge: Index
-    other: Index
+    primary: Index
+    secondary: Index
     plane: Array
     polygon: Array
 
 
-def find_intersections(walls: Walls, nodes: Array, edge: Index, other: Index) -> IntersectionPolygons:
-    """Return the polygons of pairs of faces at deformed nodes, shape (faces, nodes, 3) [length]."""
-    normal = walls.chord_normals(nodes)
-    facing = np.einsum("ed,ed->e", normal[edge], normal[other]) < FACING
-    edge, other = edge[facing], other[facing]
+def find_intersections(walls: FacetSurface, nodes: Array, primary: Index, secondary: Index) -> IntersectionPolygons:
+    """Return the polygons of pairs of facets at deformed nodes, shape (facets, nodes, 3) [length]."""
+    opposed = facing(walls, nodes, primary, secondary)
+    primary, secondary = primary[opposed], secondary[opposed]
     corner = nodes[:, walls.basis.corner_nodes]
-    frame = _frames(corner, normal)[edge]
-    origin = corner[edge, :1]
-    plane, polygon = (np.einsum("pcd,pad->pca", corner[faces] - origin, frame) for faces in (edge, other))
+    frame = _frames(corner, walls.chord_normals(nodes))[primary]
+    origin = corner[primary, :1]
+    plane, polygon = (np.einsum("pcd,pad->pca", corner[facets] - origin, frame) for facets in (primary, secondary))
     clip, polygon = _anticlockwise(plane), _anticlockwise(polygon)
     size = np.sqrt(_area(clip))
     for side in range(clip.shape[1]):
         polygon = _clipped(polygon, clip[:, side], clip[:, (side + 1) % clip.shape[1]], _ON_SIDE * size)
     kept = _area(polygon) > _SLIVER * size**2
-    return IntersectionPolygons(edge[kept], other[kept], plane[kept], polygon[kept])
+    return IntersectionPolygons(primary[kept], secondary[kept], plane[kept], polygon[kept])
 
 
-def intersection_pairs(walls: Walls, nodes: Array, intersections: IntersectionPolygons, reach: float) -> ContactPairs:
+def intersection_pairs(
+    walls: FacetSurface, nodes: Array, intersections: IntersectionPolygons, reach: float
+) -> ContactPairs:
     """Return the Gauss points of all polygons that come nearer than `reach` [length], with the closest points there."""
     place, share, piece = _points(intersections.polygon, walls.basis.order + 2)
-    edge, other = intersections.edge[piece], intersections.other[piece]
-    here, shrunk = _coordinates(walls, intersections.plane[piece], place)
-    weight = share / shrunk * _rest_areas(walls, edge, here)
-    point = np.einsum("pi,pid->pd", walls.basis.values(here), nodes[edge])
-    xi, distance = closest_on_faces(walls, nodes[other], other, point)
-    nearest = np.full(len(intersections.edge), np.inf)
+    primary, secondary = intersections.primary[piece], intersections.secondary[piece]
+    own, shrunk = _coordinates(walls, intersections.plane[piece], place)
+    weight = share / shrunk * walls.rest_measure(primary, own)
+    xi, distance = closest_points(walls, nodes, secondary, walls.places(primary, own, nodes))
+    nearest = np.full(len(intersections.primary), np.inf)
     np.minimum.at(nearest, piece, distance)
     near = np.flatnonzero(nearest[piece] < reach)
-    near = near[np.argsort(edge[near], kind="stable")]
-    count = len(near)
-    return ContactPairs(
-        point=np.arange(count),
-        edge=edge[near],
-        here=here[near],
-        weight=weight[near],
-        other=other[near],
-        xi=xi[near],
-        at_end=np.zeros(count, dtype=bool),
-        sign=np.ones(count),
-        glide=np.zeros((count, 2)),
-    )
+    near = near[np.argsort(primary[near], kind="stable")]
+    return feet(primary[near], own[near], weight[near], secondary[near], xi[near])
 
 
 def _frames(corner: Array, normal: Array) -> Array:
-    """Return two unit vectors in the plane of each face, shape (faces, 2, 3); normal is their cross product."""
+    """Return two unit vectors in the plane of each facet, shape (facets, 2, 3); normal is their cross product."""
     one = corner[:, 1] - corner[:, 0]
     one = one - np.einsum("ed,ed->e", one, normal)[:, None] * normal
     one /= np.linalg.norm(one, axis=1)[:, None]
@@ -118,8 +107,8 @@ def _clipped(polygon: Array, start: Array, end: Array, tolerance: Array) -> Arra
     away = polygon - start[:, None]
     height = along[:, None, 0] * away[..., 1] - along[:, None, 1] * away[..., 0]
     ahead, rise = np.roll(polygon, -1, axis=1), np.roll(height, -1, axis=1)
-    inside = height >= -tolerance[:, None]
-    crosses = inside != np.roll(inside, -1, axis=1)
+    inside = np.asarray(height >= -tolerance[:, None])
+    crosses: NDArray[np.bool_] = np.not_equal(inside, np.roll(inside, -1, axis=1))
     share = np.clip(np.divide(height, height - rise, out=np.zeros_like(height), where=crosses), 0, 1)
     crossing = polygon + share[..., None] * (ahead - polygon)
     count, most = len(polygon), polygon.shape[1]
@@ -128,7 +117,7 @@ def _clipped(polygon: Array, start: Array, end: Array, tolerance: Array) -> Arra
     order = np.argsort(~taken, axis=1, kind="stable")
     number = np.minimum(np.arange(most + 1), np.maximum(taken.sum(1) - 1, 0)[:, None])
     kept = np.take_along_axis(corners, np.take_along_axis(order, number, axis=1)[..., None], axis=1)
-    return np.where(taken.any(1)[:, None, None], kept, kept[:, :1])
+    return np.where(np.any(taken, axis=1)[:, None, None], kept, kept[:, :1])
 
 
 def _points(polygon: Array, count: int) -> tuple[Array, Array, Index]:
@@ -147,8 +136,8 @@ def _points(polygon: Array, count: int) -> tuple[Array, Array, Index]:
     return place, weight, np.repeat(piece, len(x))
 
 
-def _coordinates(walls: Walls, plane: Array, place: Array) -> tuple[Array, Array]:
-    """Return the coordinates of points in faces with these corners, (n, 2), and the area for a unit of coordinates."""
+def _coordinates(walls: FacetSurface, plane: Array, place: Array) -> tuple[Array, Array]:
+    """Return the coordinates of points in facets with these corners, (n, 2), and the area for a unit of coordinates."""
     xi = np.tile(walls.basis.centre, (len(place), 1))
     map_ = _bilinear if plane.shape[1] == 4 else _affine
     for _ in range(_INVERSE_STEPS if plane.shape[1] == 4 else 1):
@@ -169,9 +158,3 @@ def _affine(corner: Array, xi: Array) -> tuple[Array, Array]:
     """Return the same of triangles."""
     jacobian = np.stack([corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]], axis=2)
     return corner[:, 0] + np.einsum("pda,pa->pd", jacobian, xi), jacobian
-
-
-def _rest_areas(walls: Walls, face: Index, xi: Array) -> Array:
-    """Return the area at rest for a unit of coordinates at points of faces."""
-    tangents = [np.einsum("pi,pid->pd", walls.basis.values(xi, along), walls.rest[face]) for along in ((1, 0), (0, 1))]
-    return np.asarray(np.linalg.norm(np.cross(*tangents), axis=1))

@@ -1,1 +1,1 @@
-"""."""
+"""The facets that may touch: edges in the plane, faces in three dimensions, as arrays."""

@@ -36,7 +36,7 @@ class Lagrange:
     @cached_property
     def _by_powers(self) -> tuple[Array, ...]:
         """Factors of ``1, xi, xi^2, ...`` in the polynomials, and in their derivatives of each degree."""
-        by_powers = [np.linalg.inv(np.vander(self.nodes, increasing=True))]
+        by_powers = [np.asarray(np.linalg.inv(np.vander(self.nodes, increasing=True)), dtype=np.float64)]
         while len(by_powers) <= self.order:
             by_powers.append(np.arange(1, len(by_powers[-1]))[:, None] * by_powers[-1][1:])
         return tuple(by_powers)
@@ -56,7 +56,7 @@ class Lagrange:
 def lobatto(count: int) -> tuple[Array, Array]:
     """Return points and weights of the Gauss-Lobatto rule on [0, 1], exact to degree ``2 count - 3``.
 
-    It has the ends of the edge among its points: the tip of a sharp corner, which presses first and deepest, would slip
+    It has the ends of the edge among its points: the tip of a sharp corner, which presses first and deepest, would lie
     between the points of a Gauss rule and sink into the wall opposite unseen.
     """
     last = np.polynomial.legendre.Legendre.basis(count - 1)

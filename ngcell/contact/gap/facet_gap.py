@@ -2,24 +2,27 @@
 
 With ``a`` from the closest secondary point to the primary point, and ``t``, ``t'`` the deformed secondary tangents,
 
-    g = side a . (t x t') / |t x t'| - s . M s / 2,   s = (a . t, a . t')      (foot of a normal on a face)
+    g = side a . (t x t') / |t x t'| - s . M s / 2,   s = (a . t, a . t')      (foot of a normal on a facet)
     g = sign sqrt(|a|^2 - c (a . t)^2)                                         (foot of a normal on a side)
     g = sign |a|                                                               (corner)
 
-The second terms are what the wall curves away when the true foot slides. With the metric G of the tangents, the second
-derivatives of the wall along the outward normal B, and the gap g, all frozen where the contact pair was found,
-``M = G^-1 B (G - g B)^-1``; with the second derivative t_s of the side's curve, ``c = 1 / (|t|^2 - a . t_s)``. So g and
-its first two derivatives are those of the distance to the curved wall itself, as in the plane.
+The second terms, with the curvature corrections M and c, are what the wall curves away when the true foot slides. With
+the metric G of the tangents, the second derivatives B of the wall along the outward normal, and the gap g, all frozen
+where the contact pair was found, ``M = G^-1 B (G - g B)^-1``; with the second derivative t_s of the side's curve,
+``c = 1 / (|t|^2 - a . t_s)``. So g and its first two derivatives are those of the distance to the curved wall itself,
+as in the plane.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.contact.gap.kinematics import GapKinematics
-from ngcell.contact.pairing.search import ContactPairs
-from ngcell.contact.surface.walls import Walls
+from ngcell.contact.pairing.pairs import ContactPairs
+from ngcell.contact.surface.facets import FacetSurface
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -30,8 +33,15 @@ _PERMUTATION = np.array([[[(i - j) * (j - k) * (k - i) / 2 for k in range(3)] fo
 _LEAST = 0.1
 
 
+@dataclass(frozen=True)
 class FacetGap:
     """Gaps in three dimensions."""
+
+    at_once: int = 1000
+
+    def flat(self, count: int) -> Array:
+        """Return no curvature corrections, shape (count, 2, 2)."""
+        return np.zeros((count, 2, 2))
 
     def gaps(self, pairs: ContactPairs, side: Array, correction: Array, *vectors: Array) -> Array:
         """Return the gaps."""
@@ -59,37 +69,34 @@ class FacetGap:
         return block
 
 
-def facet_kinematics(walls: Walls, pairs: ContactPairs, positions: Array) -> GapKinematics:
-    """Return the kinematics of contact pairs in three dimensions that were found at `positions`, shape (3, scalar unknowns)."""
-    face, xi, end = pairs.other, pairs.xi, pairs.at_end
-    primary, secondary = walls.trace(pairs.edge, pairs.here), walls.trace(face, xi)
+def facet_kinematics(walls: FacetSurface, pairs: ContactPairs, positions: Array) -> GapKinematics:
+    """Return the kinematics of contact pairs that were found at `positions`, unknowns of shape (3, scalar unknowns)."""
+    facet, xi, end = pairs.secondary, pairs.secondary_xi, pairs.at_end
+    primary, secondary = walls.trace(pairs.primary, pairs.primary_xi), walls.trace(facet, xi)
     one, two, bend_one, mixed, bend_two = (
-        walls.trace(face, xi, derivative) for derivative in ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
+        walls.trace(facet, xi, derivative) for derivative in ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
     )
-    assert pairs.glide is not None
-    along, across = pairs.glide.T[:, :, None]
+    along, across = pairs.slide_direction.T[:, :, None]
     second = along**2 * bend_one + 2 * along * across * mixed + across**2 * bend_two
     tangent = np.where(end[:, None], along * one + across * two, one)
-    local = positions[:, walls.dofs[face]]
+    local = positions[:, walls.dofs[facet]]
     bends = np.stack([(local * factors).sum(2).T for factors in (bend_one, mixed, mixed, bend_two)], axis=1)
     offset = np.concatenate([primary, -secondary], axis=1)
-    dofs = np.concatenate([walls.dofs[pairs.edge], walls.dofs[face]], axis=1)
+    dofs = np.concatenate([walls.dofs[pairs.primary], walls.dofs[facet]], axis=1)
     nothing = np.zeros_like(primary)
     a = (positions[:, dofs] * offset).sum(2).T
     t, t_two = ((local * factors).sum(2).T for factors in (tangent, two))
-    side = walls.side[face]
-    correction = np.zeros((len(face), 2, 2))
+    side = walls.side[facet]
+    correction = FacetGap().flat(len(facet))
     correction[~end] = _correction(a[~end], t[~end], t_two[~end], side[~end], bends[~end].reshape(-1, 2, 2, 3))
     correction[end, 0, 0] = _side_correction(a[end], t[end], (local * second).sum(2).T[end])
     return GapKinematics(
         pairs=pairs,
+        gap=FacetGap(),
         dofs=dofs,
-        offset=offset,
-        tangent=np.concatenate([nothing, tangent], axis=1),
+        maps=(offset, *(np.concatenate([nothing, factors], axis=1) for factors in (tangent, two))),
         side=side,
         correction=correction,
-        other_tangent=np.concatenate([nothing, two], axis=1),
-        shape=FacetGap(),
     )
 
 
@@ -111,7 +118,7 @@ def _side_correction(a: Array, t: Array, second: Array) -> Array:
     """Return ``1 / (|t|^2 - a . t_s)`` at feet on sides, 0 at corners."""
     square = np.einsum("nd,nd->n", t, t)
     lifted = np.maximum(square - np.einsum("nd,nd->n", a, second), _LEAST * square)
-    return np.divide(1.0, lifted, out=np.zeros_like(square), where=square > 0)
+    return np.asarray(np.divide(1.0, lifted, out=np.zeros_like(square), where=square > 0))
 
 
 def _foot_gap(side: Array, correction: Array, a: Array, t: Array, t_two: Array) -> Array:
@@ -123,9 +130,9 @@ def _foot_gap(side: Array, correction: Array, a: Array, t: Array, t_two: Array) 
 
 def _foot_slope(side: Array, correction: Array, a: Array, t: Array, t_two: Array) -> Array:
     volume_slope, area_slope, volume, area = _volume_over_area(a, t, t_two)
-    slid_slope, pull = _slid(correction, a, t, t_two)
+    along_slope, pull = _along(correction, a, t, t_two)
     height = side[:, None] * (volume_slope / area - volume / area**2 * area_slope)
-    return np.asarray(height - np.einsum("na,nai->ni", pull, slid_slope))
+    return np.asarray(height - np.einsum("na,nai->ni", pull, along_slope))
 
 
 def _foot_curvature(side: Array, correction: Array, a: Array, t: Array, t_two: Array) -> Array:
@@ -149,13 +156,13 @@ def _foot_curvature(side: Array, correction: Array, a: Array, t: Array, t_two: A
     squares = area_slope[:, :, None] * area_slope[:, None, :]
     height = volume_bend / area - (mixed + mixed.transpose(0, 2, 1)) / area**2
     height += 2 * volume / area**3 * squares - volume / area**2 * area_bend
-    slid_slope, pull = _slid(correction, a, t, t_two)
-    slid = slid_slope.transpose(0, 2, 1) @ correction @ slid_slope
+    along_slope, pull = _along(correction, a, t, t_two)
+    curved = along_slope.transpose(0, 2, 1) @ correction @ along_slope
     for number in range(2):
         where = slice(3 + 3 * number, 6 + 3 * number)
-        slid[:, :3, where] += pull[:, number, None, None] * np.eye(3)
-        slid[:, where, :3] += pull[:, number, None, None] * np.eye(3)
-    return np.asarray(side[:, None, None] * height - slid)
+        curved[:, :3, where] += pull[:, number, None, None] * np.eye(3)
+        curved[:, where, :3] += pull[:, number, None, None] * np.eye(3)
+    return np.asarray(side[:, None, None] * height - curved)
 
 
 def _volume_over_area(a: Array, t: Array, t_two: Array) -> tuple[Array, Array, Array, Array]:
@@ -167,7 +174,7 @@ def _volume_over_area(a: Array, t: Array, t_two: Array) -> tuple[Array, Array, A
     return volume_slope, area_slope, np.einsum("nd,nd->n", a, normal)[:, None], area
 
 
-def _slid(correction: Array, a: Array, t: Array, t_two: Array) -> tuple[Array, Array]:
+def _along(correction: Array, a: Array, t: Array, t_two: Array) -> tuple[Array, Array]:
     """Return the derivatives of s, (n, 2, 9), and ``M s``, (n, 2)."""
     slope, nothing = np.zeros((len(a), 2, 9)), np.zeros_like(a)
     slope[:, 0] = np.column_stack([t, a, nothing])
@@ -179,7 +186,7 @@ def _slid(correction: Array, a: Array, t: Array, t_two: Array) -> tuple[Array, A
 def _square(correction: Array, a: Array, t: Array) -> Array:
     """Return ``|a|^2 - c (a . t)^2``, kept above 0."""
     square = np.einsum("nd,nd->n", a, a) - correction * np.einsum("nd,nd->n", a, t) ** 2
-    return np.maximum(square, np.finfo(float).tiny)
+    return np.asarray(np.maximum(square, np.finfo(float).tiny))
 
 
 def _square_slope(correction: Array, a: Array, t: Array) -> Array:

@@ -1,0 +1,76 @@
+"""The closest point of curved edges: chords narrow the choice, Newton's method on the squared distance finishes it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ngcell.contact.pairing.classification import TIE, Classification
+from ngcell.contact.surface.edges import EdgeSurface
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+_PROJECTION_STEPS = 4
+#: Exterior angle of a joint [rad] below which the distances of its edges may be tied.
+_BLUNT = 2 * (2 * TIE) ** 0.5
+#: Share of an edge beyond which a foot counts as past its end: round-off of the projection, no more.
+_END_TOLERANCE = 1e-9
+
+
+def nearest_candidates(
+    walls: EdgeSurface, nodes: Array, group: Index, facet: Index, point: Array, reach: float
+) -> Index:
+    """Return the candidates whose chord is, up to the edge's sagitta, the nearest of the same body."""
+    body, nodes = walls.body[facet], nodes[facet]
+    chord = nodes[:, -1] - nodes[:, 0]
+    length2 = np.einsum("pd,pd->p", chord, chord)
+    offset = point - nodes[:, 0]
+    xi = np.clip(np.einsum("pd,pd->p", offset, chord) / length2, 0, 1)
+    distance = np.linalg.norm(offset - xi[:, None] * chord, axis=1)
+    sagitta = 0.5 * np.linalg.norm(np.diff(nodes, axis=1), axis=2).sum(1) - 0.5 * np.sqrt(length2)
+    sagitta = np.sqrt(np.maximum(sagitta * np.sqrt(length2), 0)) * 1.5 + 1e-12 * np.sqrt(length2)
+    near = np.flatnonzero(distance < reach + sagitta)
+    key = group[near] * (body.max() + 1 if len(body) else 1) + body[near]
+    _, member = np.unique(key, return_inverse=True)
+    bound = np.full(member.max() + 1 if len(member) else 0, np.inf)
+    np.minimum.at(bound, member, distance[near] + sagitta[near])
+    return np.asarray(near[distance[near] - sagitta[near] <= bound[member]])
+
+
+def closest_points(walls: EdgeSurface, nodes: Array, facet: Index, point: Array) -> tuple[Array, Array]:
+    """Return coordinate and distance of the closest points on curved edges."""
+    nodes = nodes[facet]
+    chord = nodes[:, -1] - nodes[:, 0]
+    xi = np.einsum("pd,pd->p", point - nodes[:, 0], chord) / np.einsum("pd,pd->p", chord, chord)
+    xi = np.clip(xi, 0, 1)
+    for _ in range(_PROJECTION_STEPS if walls.basis.order > 1 else 0):
+        position, slope, bend = (np.einsum("pi,pid->pd", walls.basis.values(xi, degree), nodes) for degree in range(3))
+        away = point - position
+        gradient = np.einsum("pd,pd->p", away, slope)
+        steepness = np.einsum("pd,pd->p", slope, slope)
+        curvature = np.maximum(steepness - np.einsum("pd,pd->p", away, bend), 0.1 * steepness)
+        xi = np.clip(xi + gradient / curvature, 0, 1)
+    position = np.einsum("pi,pid->pd", walls.basis.values(xi), nodes)
+    return xi, np.linalg.norm(point - position, axis=1)
+
+
+def classified(walls: EdgeSurface, nodes: Array, facet: Index, xi: Array, point: Array) -> Classification:
+    """Tell feet of normals from ends of edges."""
+    mine = nodes[facet]
+    position = np.einsum("pi,pid->pd", walls.basis.values(xi), mine)
+    slope = np.einsum("pi,pid->pd", walls.basis.values(xi, 1), mine)
+    speed2 = np.einsum("pd,pd->p", slope, slope)
+    away = point - position
+    aside = np.einsum("pd,pd->p", away, slope) / speed2
+    height = walls.side[facet] * (away[:, 0] * slope[:, 1] - away[:, 1] * slope[:, 0]) / speed2
+    at_end = np.abs(aside) > _END_TOLERANCE
+    is_loose = np.where(xi < 0.5, walls.is_loose_end[facet, 0], walls.is_loose_end[facet, 1])
+    slid_past = at_end & is_loose & (height < 0) & (np.abs(aside) > np.abs(height))
+    sign = np.where(height < 0, -1.0, 1.0)
+    doubtful = np.flatnonzero(at_end & ~is_loose & (height < 0))
+    if len(doubtful):
+        # The nearest point of a body is a convex corner only for points outside, however the corner's edges bend.
+        exterior_angle = walls.exterior_angle_at(nodes)[facet[doubtful], (xi[doubtful] >= 0.5).astype(int)]
+        sign[doubtful[exterior_angle > _BLUNT]] = 1.0
+    return Classification(at_end, sign, np.zeros((len(facet), 0)), slid_past)

@@ -1,0 +1,221 @@
+"""The surfaces that may touch, as arrays: facets, their unknowns, and shape functions as polynomials.
+
+A facet is a boundary edge in the plane (`ngcell.contact.surface.edges`) and a boundary face in three dimensions
+(`ngcell.contact.surface.facets`). What both share is here, and the dimension is asked once, where a surface is made
+(`ngcell.contact.surface.find`); pairing, gap and methods choose their algorithms by the class of the surface.
+
+NGSolve's shape functions on a facet depend on its orientation, with signs from order 3 on. They are sampled once at
+equidistant points, so that everything else works with Lagrange polynomials in the facet's own coordinates ``xi`` and
+needs to know nothing of NGSolve.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+class Basis(Protocol):
+    """Lagrange polynomials on the reference facet."""
+
+    @property
+    def order(self) -> int:
+        """Polynomial order."""
+
+    @property
+    def centre(self) -> Array:
+        """Middle of the reference facet, as coordinates."""
+
+    @property
+    def nodes(self) -> Array:
+        """Lagrange nodes, as coordinates."""
+
+    @property
+    def corner_nodes(self) -> Index:
+        """Nodes at the corners, in order."""
+
+    def values(self, xi: Array, derivative: Any = ..., /) -> Array:
+        """Return a derivative of all polynomials at `xi`, one of `Surface.directions`; by default their values."""
+
+
+@dataclass(frozen=True, eq=False)
+class SurfacePoints:
+    """Points on facets, sorted by facet.
+
+    Attributes
+    ----------
+    facet : array of int, shape (n,)
+        Facet of each point.
+    xi : array of float, shape (n,), on faces (n, 2)
+        Coordinates on it.
+    weight : array of float, shape (n,)
+        Quadrature weight times reference length [length], on faces area [length**2].
+    """
+
+    facet: Index
+    xi: Array
+    weight: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Surface(ABC):
+    """Boundary facets that may touch another body, and the quadrature points on them.
+
+    Attributes
+    ----------
+    body : array of int, shape (facets,)
+        Body that each facet bounds.
+    dofs : array of int, shape (facets, nodes)
+        Scalar unknowns of each facet.
+    nodal : array of float, shape (facets, nodes, nodes)
+        Values of the unknowns' shape functions at the Lagrange nodes.
+    side : array of float, shape (facets,)
+        +1 or -1, the factor that turns the normal which follows from the tangents into the outward one.
+    basis : Basis
+        Polynomials on a facet.
+    quadrature_points : array of float, shape (points,), on faces (points, 2)
+        Quadrature points of a facet in `xi`.
+    weights : array of float, shape (facets, points)
+        Quadrature weights times reference length [length], on faces area [length**2].
+    depth : array of float, shape (facets,)
+        Volume over area (in the plane area over length) of the element behind the facet [length], the scale of the
+        penalty stiffness. A simplex counts as regular: its shape, an accident of the mesh, would make the stiffness
+        jump along the wall.
+    rest : array of float, shape (facets, nodes, dimension)
+        Reference positions of the Lagrange nodes [length].
+    """
+
+    body: Index
+    dofs: Index
+    nodal: Array
+    side: Array
+    basis: Basis
+    quadrature_points: Array
+    weights: Array
+    depth: Array
+    rest: Array
+
+    @property
+    @abstractmethod
+    def directions(self) -> tuple[Any, ...]:
+        """What the tangents are derivatives by, as `basis.values` takes it."""
+
+    @abstractmethod
+    def measure(self, *tangents: Array) -> Array:
+        """Return the length of the tangent, or the area that both tangents span, over the last axis."""
+
+    @abstractmethod
+    def chord_normals(self, nodes: Array) -> Array:
+        """Return the outward unit normals of the flat facets through the corners, shape (facets, dimension).
+
+        `nodes` are deformed positions of shape (facets, nodes, dimension) [length].
+        """
+
+    @abstractmethod
+    def exterior_angle_at(self, nodes: Array) -> Array:
+        """Return `exterior_angle` at deformed nodes of shape (facets, nodes, dimension)."""
+
+    @abstractmethod
+    def halved(self) -> SurfacePoints | None:
+        """Return the quadrature points of the rule that takes each half of a facet as a facet, if there is one."""
+
+    @property
+    def facet_count(self) -> int:
+        """Number of facets."""
+        return len(self.body)
+
+    @property
+    def dimension(self) -> int:
+        """Number of components of a position."""
+        return int(self.rest.shape[2])
+
+    @cached_property
+    def sizes(self) -> Array:
+        """Shortest distances of neighbouring corners at rest [length], shape (facets,)."""
+        return self.sizes_at(self.rest)
+
+    def sizes_at(self, nodes: Array) -> Array:
+        """Return the same at nodes of shape (facets, nodes, dimension)."""
+        corner = nodes[:, self.basis.corner_nodes]
+        return np.asarray(np.linalg.norm(np.roll(corner, -1, axis=1) - corner, axis=2).min(1))
+
+    def nodes(self, unknowns: Array) -> Array:
+        """Return the field with these unknowns, shape (dimension, scalar unknowns), at the nodes of all facets."""
+        return np.asarray(np.einsum("eij,dej->eid", self.nodal, unknowns[:, self.dofs]))
+
+    def trace(self, facet: Index, xi: Array, *derivative: Any) -> Array:
+        """Return the factors of the unknowns ``dofs[facet]`` in the field at `xi`, or in a derivative by `directions`.
+
+        Shape (points, nodes).
+        """
+        return np.asarray(np.einsum("pi,pij->pj", self.basis.values(xi, *derivative), self.nodal[facet]))
+
+    def places(self, facet: Index, xi: Array, nodes: Array) -> Array:
+        """Return the positions of points on facets, (points, dimension), at nodes (facets, nodes, dimension)."""
+        return np.asarray(np.einsum("pi,pid->pd", self.basis.values(xi), nodes[facet]))
+
+    def tangents(self, facet: Index, xi: Array, nodes: Array) -> list[Array]:
+        """Return the tangents at points on facets, each (points, dimension), at nodes (facets, nodes, dimension)."""
+        return [np.einsum("pi,pid->pd", self.basis.values(xi, by), nodes[facet]) for by in self.directions]
+
+    def rest_measure(self, facet: Index, xi: Array) -> Array:
+        """Return the reference length, on faces area, that a unit of coordinates has at points on facets."""
+        return self.measure(*self.tangents(facet, xi, self.rest))
+
+    def stretch(self, nodes: Array, xi: Array) -> Array:
+        """Return the same at deformed nodes and at the same points `xi` of all facets, shape (facets, points)."""
+        return self.measure(*(np.einsum("ki,eid->ekd", self.basis.values(xi, by), nodes) for by in self.directions))
+
+    def on_each_facet(self, xi: Array, weights: Array) -> SurfacePoints:
+        """Return the same points on all facets; `weights` has shape (facets, points)."""
+        facet = np.repeat(np.arange(self.facet_count), len(xi))
+        return SurfacePoints(facet, np.tile(xi, (self.facet_count,) + (1,) * (xi.ndim - 1)), weights.ravel())
+
+    @cached_property
+    def quadrature(self) -> SurfacePoints:
+        """All quadrature points; those that a facet's rule has no use for, of weight 0, are left out."""
+        points = self.on_each_facet(self.quadrature_points, self.weights)
+        used = points.weight != 0
+        return SurfacePoints(points.facet[used], points.xi[used], points.weight[used])
+
+    @cached_property
+    def quadrature_values(self) -> Array:
+        """Lagrange polynomials at the quadrature points, shape (points, nodes)."""
+        return self.basis.values(self.quadrature_points)
+
+    @cached_property
+    def vertices(self) -> Index:
+        """Scalar unknowns of the vertices at the corners of each facet, shape (facets, corners)."""
+        values = np.einsum("eki,ei->ek", self.nodal[:, self.basis.corner_nodes], self.dofs)
+        return np.asarray(values.round().astype(np.int64))
+
+    @cached_property
+    def exterior_angle(self) -> Array:
+        """Angle by which the surface turns where facets meet, at rest [rad]: positive at convex corners, 0 at its rim.
+
+        Shape (facets, 2), at the start and at the end of each edge; of faces (facets, corners), at each side.
+        """
+        return self.exterior_angle_at(self.rest)
+
+    def centres(self, nodes: Array) -> Array:
+        """Return the positions of the facets' centres, shape (facets, dimension)."""
+        return np.asarray(self.basis.values(self.basis.centre[None])[0] @ nodes)
+
+    def middles(self, nodes: Array) -> Array:
+        """Return the means of the facets' corners, shape (facets, dimension)."""
+        return np.asarray(nodes[:, self.basis.corner_nodes].mean(1))
+
+    def touches(self, columns: int) -> sparse.csr_array:
+        """Return which scalar unknowns each facet has, shape (facets, columns)."""
+        count, width = self.dofs.shape
+        pointer = width * np.arange(count + 1)
+        return sparse.csr_array((np.ones(count * width), self.dofs.ravel(), pointer), shape=(count, columns))
