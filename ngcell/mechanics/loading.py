@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.geometry.bodies import LOWER_END, UPPER_END
-from ngcell.geometry.tissue import ENDS, FRAME, LOWER_PLATE, UPPER_PLATE
+from ngcell.geometry.bodies import ENDS, FRAME, LOWER_PLATE, UPPER_PLATE
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.scene import Ends, Frame, Load, Traction
