@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.geometry.bodies import FILLING
+from ngcell.geometry.tissues.protocol import TissueGeometry
 from ngcell.mechanics.laws.law import HyperelasticLaw
 from ngcell.mechanics.space import DisplacementSpace
-from ngcell.geometry.tissues.protocol import TissueGeometry
 from ngcell.scene import CellPressure, Pressure
 
 Array = NDArray[np.float64]

@@ -111,7 +111,7 @@ class BodySupport:
             If what was given has another dimension.
         """
         still, whole = (0.0,) * dimension, (True,) * dimension
-        held = {"gradient": (still,) * dimension, "translation": still, "components": whole}
+        held: dict[str, Any] = {"gradient": (still,) * dimension, "translation": still, "components": whole}
         defaults = {entry.name: entry.default for entry in fields(self)}
         left_out = {name: value for name, value in held.items() if getattr(self, name) == defaults[name]}
         for name in held.keys() - left_out.keys():

@@ -64,7 +64,9 @@ def read_table(file: Path, shown: str | None = None, heirs: tuple[Path, ...] = (
     del places[("extends",)]
     parent = _parent(name, file, where)
     if parent.resolve() in {heir.resolve() for heir in (file, *heirs)}:
-        raise CaseError(f'{where}: extends = "{name}" leads back to {parent}; allowed: a case that does not extend this one')
+        raise CaseError(
+            f'{where}: extends = "{name}" leads back to {parent}; allowed: a case that does not extend this one'
+        )
     inherited = read_table(parent, None, (*heirs, file))
     inherited.table.pop("expected", None)
     return _extended(inherited, CaseTable(table, places))
@@ -119,7 +121,9 @@ def _same_kind(inherited: dict[str, Any], own: dict[str, Any]) -> bool:
 
 
 def _are_named(value: Any) -> bool:
-    return isinstance(value, list) and bool(value) and all(isinstance(entry, dict) and "name" in entry for entry in value)
+    return (
+        isinstance(value, list) and bool(value) and all(isinstance(entry, dict) and "name" in entry for entry in value)
+    )
 
 
 def _number(entries: list[dict[str, Any]], name: object) -> int:

@@ -14,7 +14,8 @@ from ngcell.scene.catalogue import find_case
 from ngcell.scene.complaint import CaseText, complaints
 from ngcell.scene.inheritance import read_table
 from ngcell.scene.kinds import AnyCase, kind_of_case
-from ngcell.scene.overrides import KeyPath, apply_overrides, override_paths
+from ngcell.scene.lines import KeyPath
+from ngcell.scene.overrides import apply_overrides, override_paths
 
 #: Keys that say how a scene is solved, or nothing about it: expected numbers hold whatever they are.
 _NOT_OF_THE_SCENE = {"title", "source", "strategy", "steps", "contact", "mesh"}

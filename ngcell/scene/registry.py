@@ -172,7 +172,9 @@ def register(name: str, section: Section) -> Section:
         allowed = 'a pydantic model with a field `kind: Literal["..."] = "..."`'
         raise CaseError(f"{section!r} names no kind of {name}; allowed: {allowed}")
     if kind in known.kinds:
-        raise CaseError(f"{name} kind {kind!r} is one of the package; allowed: a name other than {', '.join(known.kinds)}")
+        raise CaseError(
+            f"{name} kind {kind!r} is one of the package; allowed: a name other than {', '.join(known.kinds)}"
+        )
     known.own[kind] = section
     return section
 

@@ -69,7 +69,7 @@ class Bonds:
     @property
     def weight(self) -> Array:
         """Length at rest that each bond stands for [length], in three dimensions area, shape (bonds,)."""
-        return self.kinematics.pairs.weight
+        return np.asarray(self.kinematics.pairs.weight)
 
     def reset(self) -> None:
         """Make all bonds whole."""
@@ -137,7 +137,10 @@ class Bonds:
         return np.repeat(dofs, width, axis=1).ravel(), np.tile(dofs, (1, width)).ravel()
 
     def _half_squares(self, positions: Array) -> Array:
-        """Return the derivatives of ``lambda^2 / 2`` by ``(a, t)``, in three dimensions ``(a, t, t')``, shape (bonds, 4 or 9)."""
+        """Return the derivatives of ``lambda^2 / 2`` by ``(a, t)``, shape (bonds, 4).
+
+        In three dimensions by ``(a, t, t')``, shape (bonds, 9).
+        """
         a, *_ = self.kinematics.vectors(positions)
         height, slopes = self.kinematics.slopes(positions)
         squares = -np.minimum(height, 0)[:, None] * slopes

@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 Expression = Callable[[ngsolve.CoefficientFunction], ngsolve.CoefficientFunction]
 
 #: Strain of the differences that moduli at rest are taken from.
-_STRAIN = 1e-4
+_STRAIN = 1e-5
 #: Stress at rest, as a share of the shear modulus, above which a law counts as stressed at rest.
 _AT_REST = 1e-9
 
@@ -120,7 +120,9 @@ class CustomLaw:
     def _first_piola(self, gradient: Array) -> Array:
         """Return dW/dF [stress], shape (n, 3, 3), of deformation gradients of that shape."""
         count = len(gradient)
-        entries = [ngsolve.VoxelCoefficient((0.0,), (1.0,), column.copy(), False) for column in gradient.reshape(-1, 9).T]
+        entries = [
+            ngsolve.VoxelCoefficient((0.0,), (1.0,), column.copy(), False) for column in gradient.reshape(-1, 9).T
+        ]
         variable = ngsolve.CF(tuple(entries), dims=(3, 3)).MakeVariable()
         stress = self.stored_energy(variable).Diff(variable)
         values = stress(_interval()((np.arange(count) + 0.5) / count))

@@ -128,7 +128,7 @@ class _Fibres(BaseModel):
             strain = np.maximum((moved**2).sum(1) - 1, 0)
             pull = 2 * self.stiffness * strain * np.exp(self.exponent_or_zero * strain**2)
             stress += pull[:, None, None] * moved[:, :, None] * moved[:, None, :]
-        return stress / np.linalg.det(gradient)[:, None, None]
+        return np.asarray(stress / np.linalg.det(gradient)[:, None, None])
 
 
 class ExponentialFibres(_Fibres):
