@@ -1,8 +1,8 @@
 """Cases that extend others: ``extends = "shear-empty"`` takes over what another case says, and the file itself wins.
 
-Tables merge key by key. A table of another `kind` takes the place of the inherited one. In lists of tables with a
-`name`, those of the same name merge and others are added; any other list takes the place of the inherited one. Expected
-numbers are never inherited: they belong to one scene.
+Tables merge key by key. A table of another `kind` takes the place of the inherited one. In lists of tables
+that each have a `name`, or a `boundary`, of their own, those of the same merge and others are added; any other list
+takes the place of the inherited one. Expected numbers are never inherited: they belong to one scene.
 """
 
 from __future__ import annotations
@@ -106,7 +106,7 @@ def _merged(inherited: Any, own: Any, at: KeyPath, replaced: set[KeyPath]) -> An
     if _are_named(inherited) and _are_named(own):
         merged = list(inherited)
         for entry in own:
-            number = _number(merged, entry["name"])
+            number = _number(merged, _label(entry))
             if number == len(merged):
                 merged.append(entry)
             else:
@@ -121,14 +121,19 @@ def _same_kind(inherited: dict[str, Any], own: dict[str, Any]) -> bool:
 
 
 def _are_named(value: Any) -> bool:
-    return (
-        isinstance(value, list) and bool(value) and all(isinstance(entry, dict) and "name" in entry for entry in value)
-    )
+    """Return whether a value is a list of tables, each with a label that no other one has."""
+    labels = [_label(entry) for entry in value] if isinstance(value, list) else []
+    return bool(labels) and None not in labels and all(labels.count(label) == 1 for label in labels)
 
 
-def _number(entries: list[dict[str, Any]], name: object) -> int:
-    """Return the number of the entry of that name, that of the next one if there is none."""
-    return next((number for number, entry in enumerate(entries) if entry["name"] == name), len(entries))
+def _label(entry: Any) -> object:
+    """Return what tells a table in a list from the others, None if nothing does."""
+    return entry.get("name", entry.get("boundary")) if isinstance(entry, dict) else None
+
+
+def _number(entries: list[dict[str, Any]], label: object) -> int:
+    """Return the number of the entry of that label, that of the next one if there is none."""
+    return next((number for number, entry in enumerate(entries) if _label(entry) == label), len(entries))
 
 
 def _renumbered(path: KeyPath, own: Any, merged: Any) -> KeyPath:
@@ -136,7 +141,7 @@ def _renumbered(path: KeyPath, own: Any, merged: Any) -> KeyPath:
     found: KeyPath = ()
     for part in path:
         if isinstance(part, int) and _are_named(own) and _are_named(merged):
-            number = _number(merged, own[part]["name"])
+            number = _number(merged, _label(own[part]))
             own, merged = own[part], merged[number]
             found = (*found, number)
             continue
