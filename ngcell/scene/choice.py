@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from pydantic import BaseModel, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic import BaseModel, GetCoreSchemaHandler, GetJsonSchemaHandler, SerializationInfo
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
@@ -32,7 +32,8 @@ class OneOf:
     group: str
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self._validated)
+        written = core_schema.plain_serializer_function_ser_schema(_written, info_arg=True)
+        return core_schema.no_info_plain_validator_function(self._validated, serialization=written)
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
         known = group(self.group)
@@ -55,6 +56,13 @@ class OneOf:
                 KIND_UNKNOWN, "kind is {kind}; allowed: {allowed}", {"kind": repr(kind), "allowed": allowed}
             )
         return known.section(kind).model_validate(value)
+
+
+def _written(part: Any, info: SerializationInfo) -> Any:
+    """Return the table of a section; an object that no case file can say appears by the name of its class."""
+    if isinstance(part, BaseModel):
+        return part.model_dump(mode=info.mode, exclude_none=info.exclude_none, exclude_defaults=info.exclude_defaults)
+    return part if info.mode == "python" else {"kind": f"{type(part).__module__}:{type(part).__qualname__}"}
 
 
 def _core_schema(section: type[BaseModel]) -> CoreSchema:

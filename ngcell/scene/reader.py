@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import tomli_w
 from pydantic import ValidationError
@@ -68,11 +67,7 @@ def resolved_toml(case: AnyCase) -> str:
     TOML has no "nothing": an optional number that the solver is left to choose does not appear. An object that a script
     handed over, and that no case file can say, appears by the name of its class.
     """
-    return tomli_w.dumps(case.model_dump(mode="json", exclude_none=True, fallback=_named))
-
-
-def _named(own: Any) -> dict[str, str]:
-    return {"kind": f"{type(own).__module__}:{type(own).__qualname__}"}
+    return tomli_w.dumps(case.model_dump(mode="json", exclude_none=True))
 
 
 def _is_another_scene(overridden: Sequence[KeyPath]) -> bool:
