@@ -15,7 +15,7 @@ from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.lattice import Lattice, hexagonal_lattice
 from ngcell.geometry.rings import ring_mesh
 from ngcell.mechanics.bulk import BulkEnergy
-from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.problem.assembly import Assembly
@@ -25,7 +25,7 @@ from ngcell.solve.minimise import Minimiser
 
 Array = NDArray[np.float64]
 
-LAW = MooneyRivlinLaw(1.0, 1.0, 100.0)
+LAW = MooneyRivlin(c1=1.0, c2=1.0, bulk_modulus=100.0)
 #: Longest step of the minimiser; contact is searched in twice this distance.
 LONGEST_STEP = 0.05
 

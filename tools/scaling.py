@@ -153,7 +153,7 @@ def one_body() -> dict[str, float]:
     from netgen import occ
 
     import ngcell
-    from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+    from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
     from ngcell.scene.bodies import Body, BodyScene, BodySupport
 
     size, order, down = 0.04, 3, 0.03
@@ -177,7 +177,7 @@ def one_body() -> dict[str, float]:
         mesh = ngs.Mesh(occ.OCCGeometry(face, dim=2).GenerateMesh(maxh=size))
         space = ngs.VectorH1(mesh, order=order, dirichlet="bottom|top")
         trial = space.TrialFunction()
-        law = MooneyRivlinLaw(0.5, 0.5, 50.0)
+        law = MooneyRivlin(c1=0.5, c2=0.5, bulk_modulus=50.0)
         form = ngs.BilinearForm(space, symmetric=True)
         form += ngs.Variation(law.stored_energy(ngs.Id(2) + ngs.Grad(trial)).Compile() * ngs.dx)
         field = ngs.GridFunction(space)

@@ -108,9 +108,8 @@ class Setting:
 def default_edges(wall: float) -> int:
     """Return the default number of edges to a side of length 1."""
     from ngcell import MeshChoice, Tissue
-    from ngcell.geometry.tissue import mesh_density
 
-    return mesh_density(Tissue(rows=1, cols=1, wall=wall), MeshChoice())[0]
+    return Tissue(rows=1, cols=1, wall=wall).density(MeshChoice())[0]
 
 
 def _scene(
@@ -235,7 +234,6 @@ def run(setting: Setting, timeout: float) -> Ended:
 def row(setting: Setting, ended: Ended) -> dict[str, Any]:
     """Return a row of the table."""
     from ngcell import read_case
-    from ngcell.geometry.tissue import mesh_density
     from ngcell.scene import find_case
 
     case = read_case(find_case(setting.case), setting.overrides)
@@ -250,7 +248,7 @@ def row(setting: Setting, ended: Ended) -> dict[str, Any]:
         "strategy": case.strategy.kind,
         "wall": tissue.wall,
         "order": case.mesh.order,
-        "edges": mesh_density(tissue, case.mesh)[0],
+        "edges": tissue.density(case.mesh)[0],
         "radius": tissue.corner_radius,
         "levels": len(case.level_factors),
         "stiffness": case.contact.stiffness,

@@ -10,12 +10,10 @@ from numpy.typing import NDArray
 
 from ngcell.errors import CaseError
 from ngcell.geometry.bodies import LUMEN, BodyMesh
-from ngcell.geometry.drawn import body_face
 from ngcell.geometry.rings import along_walls
 from ngcell.geometry.shapes import check_boundaries, mesh_shapes
-from ngcell.geometry.tissue import tissue_mesh
 from ngcell.mechanics.filling import cell_pressures
-from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.laws.law import HyperelasticLaw
 from ngcell.mechanics.loading import end_loads, moved_region, prescribed_plate_displacement, prescribed_motion
 from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
@@ -27,10 +25,8 @@ from ngcell.scene import (
     BodyScene,
     Case,
     CellPressure,
-    ExponentialFibres,
     Fluid,
     Inclusion,
-    MooneyRivlin,
     Sddp,
 )
 
@@ -48,7 +44,7 @@ class Discretisation:
         The mesh.
     space : DisplacementSpace
         The unknowns on it.
-    laws : tuple of MooneyRivlinLaw
+    laws : tuple of HyperelasticLaw
         Law of each body.
     motion : PrescribedMotion
         The supports.
@@ -60,7 +56,7 @@ class Discretisation:
         Whether the bodies are loaded as one tied solid before they are released.
     loads : BoundaryLoads, optional
         What pushes and pulls besides the supports.
-    filling : MooneyRivlinLaw, optional
+    filling : HyperelasticLaw, optional
         Law of what fills the lumens.
     fluid : LumenFluids, optional
         Fluids in the lumens.
@@ -72,13 +68,13 @@ class Discretisation:
 
     bodies: BodyMesh
     space: DisplacementSpace
-    laws: tuple[MooneyRivlinLaw, ...]
+    laws: tuple[HyperelasticLaw, ...]
     motion: PrescribedMotion
     moved: str
     prescribed_displacement: NDArray[np.float64]
     tied_first: bool
     loads: BoundaryLoads | None = None
-    filling: MooneyRivlinLaw | None = None
+    filling: HyperelasticLaw | None = None
     fluid: LumenFluids | None = None
     fibre_direction: NDArray[np.float64] | None = None
     cell_pressure: NDArray[np.float64] | None = None
@@ -94,9 +90,8 @@ def draw_up(scene: Case | BodyCase | BodyScene) -> Discretisation:
 def _tissue_discretisation(case: Case) -> Discretisation:
     lumen = case.lumen
     pressures = cell_pressures(lumen, case.tissue) if isinstance(lumen, CellPressure) else None
-    bodies = tissue_mesh(
-        case.tissue,
-        case.load,
+    bodies = case.tissue.mesh(
+        case.load.supported,
         case.mesh,
         pressures.regions if pressures else None,
         filled=isinstance(lumen, Inclusion),
@@ -109,13 +104,13 @@ def _tissue_discretisation(case: Case) -> Discretisation:
     return Discretisation(
         bodies=bodies,
         space=space,
-        laws=(_law(case.material),) * bodies.body_count,
+        laws=(case.material,) * bodies.body_count,
         motion=motion,
         moved=moved_region(case.load),
         prescribed_displacement=prescribed_plate_displacement(space, case.load),
         tied_first=isinstance(case.strategy, Sddp),
         loads=loads,
-        filling=_law(lumen.material) if isinstance(lumen, Inclusion) else None,
+        filling=lumen.material if isinstance(lumen, Inclusion) else None,
         fibre_direction=_wall_directions(bodies) if case.material.fibres else None,
         cell_pressure=pressures.pressure if pressures else None,
         fluid=_fluids(space, lumen, case.material) if isinstance(lumen, Fluid) else None,
@@ -130,10 +125,10 @@ def _wall_directions(bodies: BodyMesh) -> NDArray[np.float64]:
     return along_and_up(bodies)
 
 
-def _fluids(space: DisplacementSpace, lumen: Fluid, wall: MooneyRivlin) -> LumenFluids:
+def _fluids(space: DisplacementSpace, lumen: Fluid, wall: HyperelasticLaw) -> LumenFluids:
     from ngcell.mechanics.fluid import LumenFluids
 
-    return LumenFluids(space, LUMEN, modulus=wall.c1 + wall.c2, fill=lumen.fill, in_full=lumen.ramp == "first")
+    return LumenFluids(space, LUMEN, modulus=wall.shear_modulus, fill=lumen.fill, in_full=lumen.ramp == "first")
 
 
 def _drawn(case: BodyCase) -> BodyScene:
@@ -141,7 +136,7 @@ def _drawn(case: BodyCase) -> BodyScene:
     bodies = []
     for body in case.bodies:
         untouched = tuple(name for name in body.boundaries if name not in body.wall_boundaries)
-        bodies.append(Body(body_face(body), body.material, body.name, untouched))
+        bodies.append(Body(body.face, body.material, body.name, untouched))
     return BodyScene(
         tuple(bodies),
         tuple(support.resolved for support in case.supports),
@@ -181,7 +176,7 @@ def _body_discretisation(scene: BodyScene) -> Discretisation:
     return Discretisation(
         bodies=bodies,
         space=space,
-        laws=tuple(_law(body.material) for body in scene.bodies),
+        laws=tuple(body.material for body in scene.bodies),
         motion=motion,
         moved="|".join(scene.moved_boundaries) or "none",
         prescribed_displacement=np.array(moving[0].translation if moving else (0.0,) * space.dimension),
@@ -189,17 +184,6 @@ def _body_discretisation(scene: BodyScene) -> Discretisation:
         loads=BoundaryLoads(space, scene.loads, motion) if scene.loads else None,
         fibre_direction=_fibre_directions(scene, bodies),
     )
-
-
-def _law(material: MooneyRivlin) -> MooneyRivlinLaw:
-    fibres = material.fibres
-    if fibres is None:
-        return MooneyRivlinLaw(material.c1, material.c2, material.bulk_modulus)
-    from ngcell.mechanics.fibres import FibreLaw
-
-    exponent = fibres.exponent if isinstance(fibres, ExponentialFibres) else 0.0
-    law = FibreLaw(fibres.stiffness, exponent, tuple(np.radians(fibres.angles).tolist()))
-    return MooneyRivlinLaw(material.c1, material.c2, material.bulk_modulus, law)
 
 
 def _fibre_directions(scene: BodyScene, bodies: BodyMesh) -> NDArray[np.float64] | None:

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from ngcell.build.discretisation import draw_up
 from ngcell.clock import Clock
 from ngcell.problem.assembly import Assembly
-from ngcell.contact.methods.stages import contact_stages
 from ngcell.contact.pairing.facing import find_facing
 from ngcell.contact.methods.protocol import ContactMethod
 from ngcell.problem.tie import Tie, tie_walls
@@ -36,7 +35,7 @@ from ngcell.solve.step import Accepted
 from ngcell.build.checkpoint import Checkpoint
 
 if TYPE_CHECKING:
-    from ngcell.contact.methods.cohesion import Bonds
+    from ngcell.contact.cohesion.bonds import Bonds
 
 #: Ratio of bulk to shear modulus up to which paths are followed with a law as it is. Beyond it Newton's method crawls
 #: along the curved valley of constant volume: paths are followed with this ratio, which rises to the one that is meant.
@@ -119,7 +118,7 @@ class Simulation:
     def _stages(self) -> tuple[Assembly, ...]:
         """The released tissue, from the contact and bulk modulus that paths are followed with to those that are meant."""
         moduli = np.array([law.plane_strain_modulus for law in self.bulk.laws])
-        methods = contact_stages(self._contact, self.walls, moduli, reach=self._reach)
+        methods = self._contact.stages(self.walls, moduli, reach=self._reach)
         softer = [self._assembly(bulk, contact=methods[0]) for bulk in self._bulks[:-1]]
         return (*softer, *(self._assembly(self.bulk, contact=method) for method in methods))
 
@@ -137,9 +136,9 @@ class Simulation:
         """What holds walls together, if anything does."""
         if self._cohesion is None:
             return None
-        from ngcell.contact.methods.cohesion import ExponentialLaw, bond_walls
+        from ngcell.contact.cohesion.bonds import bond_walls
 
-        return bond_walls(self.walls, ExponentialLaw(self._cohesion.strength, self._cohesion.energy))
+        return bond_walls(self.walls, self._cohesion)
 
     def _assembly(
         self, bulk: BulkEnergy, *, contact: ContactMethod | None = None, tie: Tie | None = None

@@ -8,9 +8,9 @@ import click
 @click.command()
 def cases() -> None:
     """List the cases that come with ngcell; `solve` and `check` take their names."""
-    from ngcell.scene import read_case, shipped_cases
+    from ngcell.scene import case_title, shipped_cases
 
     files = shipped_cases()
     width = max(map(len, files), default=0)
     for name, file in files.items():
-        click.echo(f"{name:{width}}  {read_case(file).title}")
+        click.echo(f"{name:{width}}  {case_title(file)}")

@@ -41,7 +41,7 @@ class Lattice:
     @property
     def apothem(self) -> float:
         """Distance from a centre to the middle of a wall [length]."""
-        return self.side * np.sqrt(3) / 2
+        return float(self.side * np.sqrt(3) / 2)
 
     @property
     def corners(self) -> NDArray[np.float64]:
@@ -69,7 +69,7 @@ class Lattice:
     def hull_walls(self, row: int, upward: float) -> NDArray[np.bool_]:
         """Return which walls of a row lie on the hull and face up (`upward` = 1) or down (-1); (cells, 6)."""
         faces = upward * self.normals[:, 1] > 1e-6
-        return (self.neighbours < 0) & faces & (self.row_of_cell == row)[:, None]
+        return np.asarray((self.neighbours < 0) & faces & (self.row_of_cell == row)[:, None])
 
 
 def hexagonal_lattice(rows: int, cols: int, *, side: float, pointy: bool) -> Lattice:

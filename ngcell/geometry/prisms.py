@@ -1,6 +1,6 @@
 """Prismatic cells: the plane through all cells, swept along z, as hexahedra written straight into a Netgen mesh.
 
-Ends of cells are the regions `FRONT`, at the upper end, and `BACK`. Nothing touches them. A wall of the section is a
+Ends of cells are the regions `UPPER_END` and `LOWER_END`. Nothing touches them. A wall of the section is a
 wall of the prism. Cells are hollow from end to end, or closed by end walls of one element each; the lumen of a closed
 cell has the inner faces of its end walls, too.
 
@@ -45,7 +45,9 @@ def prism_mesh(*sections: Section, height: float, slices: int, end_wall: float |
         between = np.linspace(end_wall, height - end_wall, slices + 1)
         heights, inner = np.concatenate([[0.0], between, [height]]), range(1, slices + 1)
     last, count = len(heights) - 1, len(section.points)
-    cells, fillings, faces = [], [], defaultdict(list)
+    cells: list[Index] = []
+    fillings: list[Index] = []
+    faces: dict[str, list[Index]] = defaultdict(list)
     for layer, mine in enumerate(sections):
         first = layer * count * (last + 1)
         for name, elements in _solids(mine, inner, last):
@@ -85,7 +87,7 @@ def along_and_up(bodies: BodyMesh) -> NDArray[np.float64]:
     """Return two unit vectors for each element of prisms, shape (elements, 6), that directions in it are told by.
 
     In walls around cells they are the direction along the wall and that of the axis. In end walls they are the
-    direction around the axis of the cell, and at the front that towards it, at the back that away from it.
+    direction around the axis of the cell, and at the upper end that towards it, at the lower end that away from it.
     """
     along = along_walls(bodies.mesh)
     upward = np.tile([0.0, 0.0, 1.0], (len(along), 1))

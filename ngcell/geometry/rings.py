@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 def wall_parameters(side: float, radius: float, edges: int) -> Array:
     """Return where nodes sit along one wall of the sharp hexagon, in [-1/2, 1/2) of the side.
 
-    With a radius the ends of the straight part are quadrature points, and `ARC_EDGES` edges follow to each corner.
+    With a radius the ends of the straight part are nodes, and `ARC_EDGES` edges follow to each corner.
     """
     arc = radius / np.sqrt(3) / side
     straight = np.linspace(arc - 0.5, 0.5 - arc, edges + 1)
@@ -41,9 +41,9 @@ def wall_parameters(side: float, radius: float, edges: int) -> Array:
 
 def ring_layers(lattice: Lattice, *, wall: float, radius: float, edges: int, layers: int) -> Array:
     """Return the nodes of one cell about its centre, outermost layer first; shape (layers + 1, nodes, 2)."""
-    quadrature_points = wall_parameters(lattice.side, radius, edges)
+    places = wall_parameters(lattice.side, radius, edges)
     corners = lattice.corners
-    along = (np.roll(corners, -1, axis=0) - corners)[:, None] * (quadrature_points + 0.5)[:, None]
+    along = (np.roll(corners, -1, axis=0) - corners)[:, None] * (places + 0.5)[:, None]
     sharp = (corners[:, None] + along).reshape(-1, 2)
     inner = sharp * (1 - wall / lattice.apothem)
     outer = _round_corners(sharp, lattice, radius)
@@ -168,7 +168,7 @@ def ring_section(
     first_node = len(cell_points) * np.arange(cells)
     regions = [(f"cell{cell}", quads + first) for cell, first in enumerate(first_node)]
     caps = filling + first_node[:, None, None] if filled or closed else None
-    if filled:
+    if caps is not None and filled:
         regions.append((FILLING, caps.reshape(-1, 4)))
     outer = np.stack([layer[0], np.roll(layer[0], -1)], axis=-1).reshape(WALLS, -1, 2)
     inner = np.stack([np.roll(layer[-1], -1), layer[-1]], axis=-1)
@@ -223,6 +223,6 @@ def _ring_quads(layer: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.stack(corners, axis=-1).reshape(-1, 4)
 
 
-def int32(numbers: NDArray) -> NDArray[np.int32]:
+def int32(numbers: NDArray[Any]) -> NDArray[np.int32]:
     """Return numbers as Netgen takes them."""
     return np.ascontiguousarray(numbers, dtype=np.int32)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ngcell.geometry.bodies import FILLING
 from ngcell.mechanics.filling import reduced_rules
-from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.laws.law import HyperelasticLaw
 from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
 
@@ -29,11 +29,11 @@ class BulkEnergy:
     ----------
     space : DisplacementSpace
         The unknowns.
-    laws : sequence of MooneyRivlinLaw
+    laws : sequence of HyperelasticLaw
         Law of each body, by number.
     loads : BoundaryLoads, optional
         Loads on boundaries, taken at the load factor that was last applied to them. By default there are none.
-    filling : MooneyRivlinLaw, optional
+    filling : HyperelasticLaw, optional
         Law of what fills the lumens; needed where there is something.
     fibre_direction : array of float, shape (elements, 2), in three dimensions (elements, 6), optional
         Unit vector in the plane from which angles of fibres are measured, in each element, and in three dimensions the one
@@ -43,9 +43,9 @@ class BulkEnergy:
     def __init__(
         self,
         space: DisplacementSpace,
-        laws: Sequence[MooneyRivlinLaw],
+        laws: Sequence[HyperelasticLaw],
         loads: BoundaryLoads | None = None,
-        filling: MooneyRivlinLaw | None = None,
+        filling: HyperelasticLaw | None = None,
         fibre_direction: Array | None = None,
     ) -> None:
         self._space = space
@@ -76,7 +76,7 @@ class BulkEnergy:
         self._force = self._state.CreateVector()
         self._is_assembled = False
 
-    def materials(self) -> Iterator[tuple[MooneyRivlinLaw, NDArray[np.bool_]]]:
+    def materials(self) -> Iterator[tuple[HyperelasticLaw, NDArray[np.bool_]]]:
         """Yield each law and the elements that follow it, shape (elements,)."""
         bodies = self._space.bodies
         in_wall = np.ones(len(bodies.body_of_element), dtype=bool)

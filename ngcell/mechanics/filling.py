@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.geometry.bodies import FILLING
-from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.geometry.tissues.protocol import TissueGeometry
+from ngcell.mechanics.laws.law import HyperelasticLaw
 from ngcell.mechanics.space import DisplacementSpace
-from ngcell.scene import CellPressure, Pressure, Tissue
+from ngcell.scene import CellPressure, Pressure
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -37,17 +38,16 @@ class Filling:
     pressure: Array
 
 
-def cell_pressures(lumen: CellPressure, tissue: Tissue) -> Filling:
+def cell_pressures(lumen: CellPressure, tissue: TissueGeometry) -> Filling:
     """Return the pressures of all cells, which are numbered layer by layer and row by row, the lowest first."""
-    rows = tissue.layers * tissue.rows
-    pressure = np.broadcast_to(np.asarray(lumen.pressure, dtype=float), (rows, tissue.cols)).ravel()
+    pressure = np.broadcast_to(np.asarray(lumen.pressure, dtype=float), tissue.grid).ravel()
     values, group = np.unique(pressure, return_inverse=True)
     regions = {f"lumen{number}": np.flatnonzero(group == number) for number in range(len(values))}
     loads = (Pressure(name, float(value)) for name, value in zip(regions, values, strict=True) if value > 0)
     return Filling(regions, tuple(loads), pressure)
 
 
-def filling_pressures(space: DisplacementSpace, law: MooneyRivlinLaw, displacement: Array) -> Array:
+def filling_pressures(space: DisplacementSpace, law: HyperelasticLaw, displacement: Array) -> Array:
     """Return the mean pressure ``-trace(sigma) / 3`` in what fills each lumen [stress], shape (bodies,).
 
     The volumetric energy alone bears it: ``-kappa ln(J) / J``, averaged over the deformed area by the rule that this

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.geometry.bodies import LOWER_END, UPPER_END
-from ngcell.geometry.tissue import ENDS, FRAME, LOWER_PLATE, UPPER_PLATE
+from ngcell.geometry.bodies import ENDS, FRAME, LOWER_END, LOWER_PLATE, UPPER_END, UPPER_PLATE
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.scene import Ends, Frame, Load, Traction

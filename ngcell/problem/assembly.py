@@ -21,7 +21,7 @@ from ngcell.problem.state import Linearisation, State
 from ngcell.problem.tie import Tie
 
 if TYPE_CHECKING:
-    from ngcell.contact.methods.cohesion import Bonds
+    from ngcell.contact.cohesion.bonds import Bonds
     from ngcell.mechanics.fluid import LumenFluids
 
 Array = NDArray[np.float64]

@@ -1,67 +1,68 @@
-"""What is simulated: the case, its parts, and the reader of case files."""
+"""What is simulated: the skeleton of a case, the registry of kinds, and the reader of case files.
+
+Kinds live in the rooms that realise them. Those of the package are offered here, too, by the names of their classes,
+and loaded when they are asked for: ``from ngcell.scene import MooneyRivlin``.
+"""
 
 from __future__ import annotations
 
+from typing import Any
+
 from ngcell.scene.bodies import Body, BodyForce, BodyScene, BodySupport, Pressure, Traction
-from ngcell.scene.case import Case
+from ngcell.scene.case import Case, Load
 from ngcell.scene.case_of_bodies import BodyCase
 from ngcell.scene.catalogue import case_name, find_case, shipped_cases
-from ngcell.scene.cohesion import Cohesion
-from ngcell.scene.contact import Contact, Mortar, Penalty
-from ngcell.scene.drawn import Block, Disc, Ring, UserBody
 from ngcell.scene.expected import BodyExpected, Expected
 from ngcell.scene.kinds import AnyCase
-from ngcell.scene.load import Ends, Frame, Load, Plates
+from ngcell.scene.load import Ends, Frame, Plates
 from ngcell.scene.lumen import CellPressure, Fluid, Inclusion
-from ngcell.scene.material import ExponentialFibres, Material, MooneyRivlin, QuadraticFibres
 from ngcell.scene.mesh import BodyMeshChoice, MeshChoice, Refinement
-from ngcell.scene.reader import read_case, resolved_toml
-from ngcell.scene.strategy import Sddp, SingleStep, Strategy
-from ngcell.scene.tissue import Tissue
+from ngcell.scene.reader import case_title, read_case, resolved_toml
+from ngcell.scene.registry import register, section_named, section_names
+from ngcell.scene.strategy import Sddp, SingleStep
 from ngcell.scene.vocabulary import schema
 
 __all__ = [
     "AnyCase",
-    "Block",
     "Body",
     "BodyCase",
     "BodyExpected",
-    "BodyMeshChoice",
     "BodyForce",
+    "BodyMeshChoice",
     "BodyScene",
     "BodySupport",
     "Case",
     "CellPressure",
-    "Cohesion",
-    "Contact",
-    "Disc",
-    "UserBody",
     "Ends",
     "Expected",
-    "ExponentialFibres",
     "Fluid",
     "Frame",
     "Inclusion",
     "Load",
-    "Material",
     "MeshChoice",
-    "MooneyRivlin",
-    "Mortar",
-    "Penalty",
     "Plates",
     "Pressure",
-    "QuadraticFibres",
     "Refinement",
-    "Ring",
     "Sddp",
     "SingleStep",
-    "Strategy",
-    "Tissue",
     "Traction",
     "case_name",
+    "case_title",
     "find_case",
     "read_case",
+    "register",
     "resolved_toml",
     "schema",
     "shipped_cases",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    section = section_named(name)
+    if section is None:
+        raise AttributeError(f"module 'ngcell.scene' has no attribute {name!r}")
+    return section
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *section_names()})

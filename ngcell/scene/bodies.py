@@ -13,11 +13,9 @@ from typing import Any, get_args
 from pydantic import TypeAdapter, ValidationError
 
 from ngcell.errors import CaseError
-from ngcell.scene.cohesion import Cohesion
-from ngcell.scene.contact import Contact, Mortar, Penalty
 from ngcell.scene.load import Levels
-from ngcell.scene.material import Material, MooneyRivlin
 from ngcell.scene.mesh import Refinement
+from ngcell.scene.registry import checked, default_of
 
 #: Two numbers, or three for solids.
 Numbers = tuple[float, float] | tuple[float, float, float]
@@ -42,7 +40,7 @@ class Body:
     shape : object
         A planar face of `netgen.occ` in the plane z = 0, or a solid [length]; all bodies alike. Edges of the face, or
         faces of the solid, that have a name can be supported by it; ``maxh`` on them refines the mesh there.
-    material : MooneyRivlin
+    material : MooneyRivlin or HyperelasticLaw
         What it is made of.
     name : str
         Letters, digits, ``_`` and ``-``.
@@ -51,7 +49,7 @@ class Body:
     """
 
     shape: Any
-    material: Material
+    material: Any
     name: str
     untouched: tuple[str, ...] = ()
 
@@ -59,8 +57,7 @@ class Body:
         _check_name(self.name, "body name")
         for edge in _sequence(self.untouched, str, f"body {self.name}: untouched"):
             _check_name(edge, f"body {self.name}: untouched edge")
-        if not isinstance(self.material, MooneyRivlin):
-            raise CaseError(f"body {self.name}: material is {self.material!r}; allowed: a MooneyRivlin")
+        checked("material", self.material, f"body {self.name}: material")
 
 
 @dataclass(frozen=True)
@@ -114,7 +111,7 @@ class BodySupport:
             If what was given has another dimension.
         """
         still, whole = (0.0,) * dimension, (True,) * dimension
-        held = {"gradient": (still,) * dimension, "translation": still, "components": whole}
+        held: dict[str, Any] = {"gradient": (still,) * dimension, "translation": still, "components": whole}
         defaults = {entry.name: entry.default for entry in fields(self)}
         left_out = {name: value for name, value in held.items() if getattr(self, name) == defaults[name]}
         for name in held.keys() - left_out.keys():
@@ -131,7 +128,7 @@ class Pressure:
     boundary : str
         Name of an edge, as for a support.
     value : float
-        Pressure at load factor 1 [stress]; > 0 pushes on the body.
+        Pressure at load factor 1 [stress]; > 0 acts into the body.
 
     Notes
     -----
@@ -207,13 +204,13 @@ class BodyScene:
         Number of equal levels, or the load factors in [0, 1] that are reported, in the order of the load path.
     steps : int, optional
         Smallest number of load steps, >= 1; by default one for each level.
-    contact : Penalty or Mortar
+    contact : Penalty, Mortar or ContactChoice
         What walls do to each other.
     loads : tuple of Pressure, Traction or BodyForce
-        What pushes and pulls at boundaries and in bodies; loads on the same boundary or body add up.
+        Pressures and tractions on boundaries, forces in bodies; loads on the same boundary or body add up.
     refinements : tuple of Refinement
         Where elements are smaller.
-    cohesion : Cohesion, optional
+    cohesion : Cohesion or CohesiveLaw, optional
         What holds walls together that touch at rest; by default nothing does.
 
     Raises
@@ -228,10 +225,10 @@ class BodyScene:
     order: int = 2
     levels: int | tuple[float, ...] = 10
     steps: int | None = None
-    contact: Contact = field(default_factory=Penalty)
+    contact: Any = field(default_factory=lambda: default_of("contact"))
     loads: tuple[Pressure | Traction | BodyForce, ...] = ()
     refinements: tuple[Refinement, ...] = ()
-    cohesion: Cohesion | None = None
+    cohesion: Any = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "bodies", _sequence(self.bodies, Body, "bodies"))
@@ -252,12 +249,11 @@ class BodyScene:
             raise CaseError(f"order is {self.order!r}; allowed: a whole number from 1 to 4")
         if self.steps is not None and (type(self.steps) is not int or self.steps < 1):
             raise CaseError(f"steps is {self.steps!r}; allowed: a whole number >= 1")
-        if not isinstance(self.contact, (Penalty, Mortar)):
-            raise CaseError(f"contact is {self.contact!r}; allowed: a Penalty or a Mortar")
-        if not isinstance(self.cohesion, Cohesion | None):
-            raise CaseError(f"cohesion is {self.cohesion!r}; allowed: a Cohesion or None")
-        if self.cohesion is not None and not isinstance(self.contact, Penalty):
-            raise CaseError(f"cohesion does not go with contact {self.contact!r}; allowed: a Penalty")
+        checked("contact", self.contact, "contact")
+        if self.cohesion is not None:
+            checked("cohesion", self.cohesion, "cohesion")
+            if not self.contact.goes_with_cohesion:
+                raise CaseError(f"cohesion does not go with contact {self.contact!r}; allowed: a Penalty")
         _check_levels(self.levels)
 
     @property

@@ -5,25 +5,33 @@ from __future__ import annotations
 from math import isclose
 from typing import Annotated, Any
 
-from pydantic import BaseModel, Strict, ValidationInfo, field_validator
-from pydantic_core import PydanticCustomError
+from pydantic import BaseModel, Field, Strict, ValidationInfo, field_validator
 
-from ngcell.scene.cohesion import Cohesion, check_company
-from ngcell.scene.contact import Contact, Penalty
+from ngcell.scene.choice import OneOf
 from ngcell.scene.expected import Expected
-from ngcell.scene.load import Ends, Load
-from ngcell.scene.lumen import CellPressure, Fluid, Inclusion, Lumen
-from ngcell.scene.material import Material
 from ngcell.scene.mesh import MeshChoice
+from ngcell.scene.registry import default_of
+from ngcell.scene.scope import in_scope, refuse
 from ngcell.scene.section import SECTION
-from ngcell.scene.strategy import Sddp, Strategy
-from ngcell.scene.tissue import Tissue
+
+#: Parts of a case that the registry knows the kinds of, or, from Python, objects that offer the same.
+Tissue = Annotated[Any, OneOf("tissue")]
+Material = Annotated[Any, OneOf("material")]
+Lumen = Annotated[Any, OneOf("lumen")]
+Load = Annotated[Any, OneOf("load")]
+Strategy = Annotated[Any, OneOf("strategy")]
+Contact = Annotated[Any, OneOf("contact")]
+Cohesion = Annotated[Any, OneOf("cohesion")]
+
+
+def _default(group: str) -> Any:
+    return Field(default_factory=lambda: default_of(group))
 
 
 class Case(BaseModel):
     """One scene, how it is loaded and how it is to be solved.
 
-    Lengths are in the unit of `Tissue.side`, stresses in the unit of the material's constants; every
+    Lengths are in the unit of the cells' side, stresses in the unit of the material's constants; every
     other unit follows from these two.
 
     Parameters
@@ -60,8 +68,8 @@ class Case(BaseModel):
     material: Material
     lumen: Lumen | None = None
     load: Load
-    strategy: Strategy = Sddp()
-    contact: Contact = Penalty()
+    strategy: Strategy = _default("strategy")
+    contact: Contact = _default("contact")
     cohesion: Cohesion | None = None
     mesh: MeshChoice = MeshChoice()
     expected: Annotated[tuple[Expected, ...], Strict(False)] = ()
@@ -69,94 +77,18 @@ class Case(BaseModel):
     @property
     def level_factors(self) -> tuple[float, ...]:
         """Load factors of the levels, in [0, 1], in the order of the load path."""
-        return self.load.level_factors
+        factors: tuple[float, ...] = self.load.level_factors
+        return factors
 
     @property
     def smallest_step_count(self) -> int:
         """Smallest number of load steps: what the strategy asks for, else one for each level."""
-        return self.strategy.steps or len(self.load.level_factors)
+        return self.strategy.steps or len(self.level_factors)
 
-    @field_validator("material", "lumen", "load", "contact", "cohesion", "mesh")
+    @field_validator("tissue", "material", "lumen", "load", "strategy", "contact", "cohesion", "mesh")
     @classmethod
-    def _for_prisms_only(cls, value: Any, info: ValidationInfo) -> Any:
-        tissue = info.data.get("tissue")
-        if tissue is None or tissue.height is not None:
-            return value
-        for place, is_there in _of_prisms(value).items():
-            if is_there:
-                raise PydanticCustomError(
-                    "limit", "is for prisms; allowed: only beside tissue.height", {"place": (place,)}
-                )
-        return value
-
-    @field_validator("material")
-    @classmethod
-    def _along_walls(cls, material: Material) -> Material:
-        if material.fibres is not None and material.fibres.direction is not None:
-            raise PydanticCustomError(
-                "limit",
-                "is that of the wall in a tissue; allowed: no direction, or angles from the wall's",
-                {"place": ("fibres", "direction")},
-            )
-        return material
-
-    @field_validator("lumen")
-    @classmethod
-    def _keeps_fluids(cls, lumen: Lumen | None, info: ValidationInfo) -> Lumen | None:
-        tissue = info.data.get("tissue")
-        if tissue is None or tissue.height is None or tissue.end_wall is not None:
-            return lumen
-        closed = "allowed: closed ones, with a tissue.end_wall"
-        if isinstance(lumen, Fluid):
-            raise PydanticCustomError("limit", f"flows out of hollow prisms; {closed}", {"place": ("kind",)})
-        if isinstance(lumen, CellPressure) and tissue.layers > 1:
-            escapes = f"escapes between layers of hollow prisms; {closed}"
-            raise PydanticCustomError("limit", escapes, {"place": ("kind",)})
-        return lumen
-
-    @field_validator("lumen")
-    @classmethod
-    def _without_fibres(cls, lumen: Lumen | None) -> Lumen | None:
-        if isinstance(lumen, Inclusion) and lumen.material.fibres is not None:
-            raise PydanticCustomError(
-                "limit",
-                "run along walls, which a lumen has none of; allowed: no fibres in an inclusion",
-                {"place": ("material", "fibres")},
-            )
-        return lumen
-
-    @field_validator("lumen")
-    @classmethod
-    def _for_every_cell(cls, lumen: Lumen | None, info: ValidationInfo) -> Lumen | None:
-        tissue = info.data.get("tissue")
-        if tissue is None or not isinstance(lumen, CellPressure) or not isinstance(lumen.pressure, tuple):
-            return lumen
-        rows = tissue.rows * tissue.layers
-        if [len(row) for row in lumen.pressure] != [tissue.cols] * rows:
-            raise PydanticCustomError(
-                "limit",
-                "allowed: one pressure, or {rows} rows of {cols}, as many as there are cells",
-                {"place": ("pressure",), "rows": rows, "cols": tissue.cols},
-            )
-        return lumen
-
-    @field_validator("load")
-    @classmethod
-    def _grows_with_all_else(cls, load: Load, info: ValidationInfo) -> Load:
-        lumen = info.data.get("lumen")
-        if getattr(load, "end_pressure", None) is None or lumen is None or isinstance(lumen, Inclusion):
-            return load
-        if isinstance(lumen, Fluid) or lumen.ramp == "first":
-            what = "fluids in lumens" if isinstance(lumen, Fluid) else "a lumen.pressure that comes first"
-            with_load = 'a lumen.pressure of ramp = "with-load"'
-            allowed = f"acts beside {what}; allowed: with empty lumens, inclusions or {with_load}"
-            raise PydanticCustomError("limit", allowed, {"place": ("end_pressure",)})
-        return load
-
-    @field_validator("cohesion")
-    @classmethod
-    def _with_this_contact(cls, cohesion: Cohesion | None, info: ValidationInfo) -> Cohesion | None:
-        return check_company(cohesion, info.data.get("contact"), info.data.get("lumen"))
+    def _goes_with_the_rest(cls, part: Any, info: ValidationInfo) -> Any:
+        return in_scope(part, info)
 
     @field_validator("expected")
     @classmethod
@@ -164,18 +96,7 @@ class Case(BaseModel):
         reported = info.data["load"].level_factors if "load" in info.data else ()
         for number, entry in enumerate(expected if reported else ()):
             if not any(isclose(entry.level, factor) for factor in reported):
-                raise PydanticCustomError(
-                    "limit",
-                    "is not reported; allowed: a level of the load ({reported})",
-                    {
-                        "place": (number, "level"),
-                        "reported": ", ".join(f"{factor:g}" for factor in reported),
-                    },
-                )
+                levels = ", ".join(f"{factor:g}" for factor in reported)
+                allowed = "is not reported; allowed: a level of the load ({reported})"
+                refuse(allowed, number, "level", reported=levels)
         return expected
-
-
-def _of_prisms(value: Any) -> dict[str, bool]:
-    """Return what of a part of a case only prisms have, by place, and whether it is there."""
-    given = {name: getattr(value, name, None) is not None for name in ("ends", "slices", "end_pressure")}
-    return {**given, "kind": isinstance(value, Ends)}

@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterable
 from difflib import get_close_matches
 from math import isclose
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field, Strict, ValidationInfo, field_validator
-from pydantic_core import PydanticCustomError
 
 from ngcell.scene.bodies import BodySupport, Pressure, Traction
-from ngcell.scene.cohesion import Cohesion, check_company
-from ngcell.scene.contact import Contact, Penalty
-from ngcell.scene.drawn import Name, UserBody
+from ngcell.scene.case import Cohesion, Contact
+from ngcell.scene.choice import OneOf
 from ngcell.scene.expected import ROUND, SUPPORTED, BodyExpected
 from ngcell.scene.load import Levels, level_factors
 from ngcell.scene.mesh import BodyMeshChoice
-from ngcell.scene.section import SECTION, ByKind, PlanarVector, PositiveCount
+from ngcell.scene.registry import default_of
+from ngcell.scene.scope import in_scope, refuse
+from ngcell.scene.section import SECTION, Name, PlanarVector, PositiveCount
 
 
 class SupportEntry(BaseModel):
@@ -58,7 +58,7 @@ class PressureEntry(BaseModel):
     boundary : str
         Name of a boundary, ``<body>_<side>``.
     value : float
-        Pressure at load factor 1 [stress]; > 0 pushes on the body.
+        Pressure at load factor 1 [stress]; > 0 acts into the body.
     """
 
     model_config = SECTION
@@ -96,7 +96,8 @@ class TractionEntry(BaseModel):
         return Traction(self.boundary, self.vector)
 
 
-LoadEntry = Annotated[PressureEntry | TractionEntry, ByKind()]
+UserBody = Annotated[Any, OneOf("body")]
+LoadEntry = Annotated[Any, OneOf("body-load")]
 
 
 class BodyCase(BaseModel):
@@ -120,7 +121,7 @@ class BodyCase(BaseModel):
     supports : tuple of SupportEntry
         What is held and moved; a body that nothing holds stays as near to where it was as contact allows.
     loads : tuple of PressureEntry or TractionEntry
-        What pushes and pulls at boundaries; loads on the same boundary add up.
+        Pressures and tractions on boundaries; loads on the same boundary add up.
     contact : Penalty or Mortar
         What walls do to each other.
     cohesion : Cohesion, optional
@@ -140,7 +141,7 @@ class BodyCase(BaseModel):
     bodies: Annotated[tuple[UserBody, ...], Strict(False), Field(min_length=1)]
     supports: Annotated[tuple[SupportEntry, ...], Strict(False)] = ()
     loads: Annotated[tuple[LoadEntry, ...], Strict(False)] = ()
-    contact: Contact = Penalty()
+    contact: Contact = Field(default_factory=lambda: default_of("contact"))
     cohesion: Cohesion | None = None
     mesh: BodyMeshChoice = BodyMeshChoice()
     expected: Annotated[tuple[BodyExpected, ...], Strict(False)] = ()
@@ -157,24 +158,17 @@ class BodyCase(BaseModel):
 
     @field_validator("bodies")
     @classmethod
-    def _names_and_walls(cls, bodies: tuple[UserBody, ...]) -> tuple[UserBody, ...]:
+    def _names_and_walls(cls, bodies: tuple[Any, ...]) -> tuple[Any, ...]:
         names = [body.name for body in bodies]
         for number, (name, body) in enumerate(zip(names, bodies, strict=True)):
             if name in names[:number]:
-                raise PydanticCustomError(
-                    "limit", "is used twice; allowed: a name of its own for each body", {"place": (number, "name")}
-                )
+                refuse("is used twice; allowed: a name of its own for each body", number, "name")
             fibres = body.material.fibres
             if fibres is not None and fibres.direction is None:
-                raise PydanticCustomError(
-                    "limit",
-                    "is missing; allowed: a vector in the plane, from which the angles are measured",
-                    {"place": (number, "material", "fibres", "direction")},
-                )
+                allowed = "is missing; allowed: a vector in the plane, from which the angles are measured"
+                refuse(allowed, number, "material", "fibres", "direction")
         if not any(body.wall_boundaries for body in bodies):
-            raise PydanticCustomError(
-                "limit", "no side of any body may touch; allowed: walls on one body at least", {"place": (0, "walls")}
-            )
+            refuse("no side of any body may touch; allowed: walls on one body at least", 0, "walls")
         return bodies
 
     @field_validator("supports", "loads")
@@ -185,10 +179,10 @@ class BodyCase(BaseModel):
             _check_boundary(entry.boundary, known, (number, "boundary"))  # type: ignore[attr-defined]
         return entries
 
-    @field_validator("cohesion")
+    @field_validator("contact", "cohesion")
     @classmethod
-    def _with_this_contact(cls, cohesion: Cohesion | None, info: ValidationInfo) -> Cohesion | None:
-        return check_company(cohesion, info.data.get("contact"))
+    def _goes_with_the_rest(cls, part: Any, info: ValidationInfo) -> Any:
+        return in_scope(part, info)
 
     @field_validator("expected")
     @classmethod
@@ -217,23 +211,12 @@ def _check_boundary(
     known = list(dict.fromkeys(known))
     if known and name not in known:
         near = get_close_matches(name, known, n=1)
-        raise PydanticCustomError(
-            "limit",
-            "{reason}{hint}; allowed: {known}",
-            {
-                "reason": reason,
-                "hint": f"; did you mean {near[0]}?" if near else "",
-                "known": ", ".join(known),
-                "place": place,
-            },
-        )
+        hint = f"; did you mean {near[0]}?" if near else ""
+        refuse("{reason}{hint}; allowed: {known}", *place, reason=reason, hint=hint, known=", ".join(known))
 
 
 def _check_level(level: float | None, info: ValidationInfo, number: int) -> None:
     reported = level_factors(info.data["levels"]) if "levels" in info.data else ()
     if level is not None and reported and not any(isclose(level, factor) for factor in reported):
-        raise PydanticCustomError(
-            "limit",
-            "is not reported; allowed: one of the levels ({reported})",
-            {"place": (number, "level"), "reported": ", ".join(f"{factor:g}" for factor in reported)},
-        )
+        levels = ", ".join(f"{factor:g}" for factor in reported)
+        refuse("is not reported; allowed: one of the levels ({reported})", number, "level", reported=levels)

@@ -30,9 +30,9 @@ def find_case(path_or_name: str | Path) -> Path:
         There is no such file, and no shipped case of that name.
     """
     path = Path(path_or_name)
-    for candidate in (path, path / "case.toml"):
-        if candidate.is_file():
-            return candidate
+    found = case_in(path)
+    if found is not None:
+        return found
     shipped = shipped_cases()
     if str(path_or_name) in shipped:
         return shipped[str(path_or_name)]
@@ -42,6 +42,11 @@ def find_case(path_or_name: str | Path) -> Path:
         + (f"; did you mean {near[0]}?" if near else "")
         + f"; allowed: the path of a TOML file, or one of {', '.join(shipped)}"
     )
+
+
+def case_in(path: Path) -> Path | None:
+    """Return the case file that a path, or a folder with a `case.toml`, means; None if there is none."""
+    return next((file for file in (path, path / "case.toml") if file.is_file()), None)
 
 
 def case_name(file: Path) -> str:

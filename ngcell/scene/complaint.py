@@ -15,8 +15,8 @@ from typing import Any
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from ngcell.scene.lines import line_of
-from ngcell.scene.overrides import KeyPath
+from ngcell.scene.choice import KIND_MISSING, KIND_UNKNOWN
+from ngcell.scene.lines import KeyPath, Place, place_of
 from ngcell.scene.vocabulary import allowed, keys, kinds, node_at
 
 _LONGEST_VALUE = 60
@@ -41,20 +41,21 @@ class CaseText:
         The file, as the user named it.
     table : dict
         What it says, overrides included.
-    lines : dict of key path to int
-        Line of each key, counted from 1.
+    places : dict of key path to Place
+        File and line of each key.
     overridden : tuple of key path
         Keys that were set beside the file.
     """
 
     name: str
     table: dict[str, Any]
-    lines: dict[KeyPath, int]
+    places: dict[KeyPath, Place]
     overridden: tuple[KeyPath, ...]
 
-    def line(self, mistake: Mistake) -> int:
-        """Return the line of a mistake, 0 if it has none."""
-        return line_of(mistake.path, self.lines) or 0
+    def order(self, mistake: Mistake) -> tuple[int, int]:
+        """Return what mistakes are sorted by: the file and the line that each stands in."""
+        place = place_of(mistake.path, self.places)
+        return (0, 0) if place is None else place.order
 
 
 def complaints(error: ValidationError, text: CaseText) -> list[str]:
@@ -67,7 +68,7 @@ def complaints(error: ValidationError, text: CaseText) -> list[str]:
         for mistake in mistakes
         if mistake not in unknown and (mistake.sort != "missing" or mistake.path not in explained)
     ]
-    in_order = sorted(unknown, key=text.line) + sorted(others, key=text.line)
+    in_order = sorted(unknown, key=text.order) + sorted(others, key=text.order)
     return [f"{_where(mistake.path, text)}: {_what(mistake, text.table)}" for mistake in in_order]
 
 
@@ -75,10 +76,8 @@ def _mistake(detail: ErrorDetails, table: dict[str, Any]) -> Mistake:
     sort, path = detail["type"], tuple(_file_path(detail, table))
     if sort == "missing" and isinstance(path[-1], int):
         return Mistake("too_short", path[:-1], "")
-    if sort == "union_tag_not_found":
-        return Mistake("missing", (*path, "kind"), "")
-    if sort == "union_tag_invalid":
-        return Mistake(sort, (*path, "kind"), "")
+    if sort in (KIND_MISSING, KIND_UNKNOWN):
+        return Mistake("missing" if sort == KIND_MISSING else sort, (*path, "kind"), "")
     # A check across keys is reported for their table; its "place" is the key in it that is to blame.
     return Mistake(sort, (*path, *detail.get("ctx", {}).get("place", ())), detail["msg"])
 
@@ -98,8 +97,8 @@ def _file_path(detail: ErrorDetails, table: Any) -> Iterator[str | int]:
 def _where(path: KeyPath, text: CaseText) -> str:
     if any(path[: len(key)] == key for key in text.overridden):
         return f"{text.name}: --set"
-    line = line_of(path, text.lines)
-    return f"{text.name}:{line}" if line else text.name
+    place = place_of(path, text.places)
+    return text.name if place is None else f"{place.file}:{place.line}"
 
 
 def _what(mistake: Mistake, table: dict[str, Any]) -> str:
@@ -111,7 +110,7 @@ def _what(mistake: Mistake, table: dict[str, Any]) -> str:
         return f"{key}{value} is unknown{_suggestion(mistake.path, table)}; allowed: {known}"
     if mistake.sort == "limit":
         return f"{key}{value}: {mistake.words}"
-    suggestion = _suggestion(mistake.path, table) if mistake.sort == "union_tag_invalid" else ""
+    suggestion = _suggestion(mistake.path, table) if mistake.sort == KIND_UNKNOWN else ""
     return f"{key}{value} is not possible{suggestion}; allowed: {_allowed(mistake.path, table)}"
 
 

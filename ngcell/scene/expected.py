@@ -19,8 +19,11 @@ Quantity = Literal[
     "opened_share",
     "plate_force_x",
     "plate_force_y",
+    "plate_force_z",
     "contact_force",
     "energy",
+    "separation_energy",
+    "bonded_share",
 ]
 
 #: What is measured of bodies: on one boundary, and between two; see `ngcell.results.quantities`.

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from dataclasses import dataclass
 
-from ngcell.scene.overrides import KeyPath
+#: The keys, and numbers in lists, that lead to an entry of a case.
+KeyPath = tuple[str | int, ...]
 
 _NAME = r"""(?:[A-Za-z0-9_-]+|"[^"]*"|'[^']*')"""
 _DOTTED = rf"{_NAME}(?:\s*\.\s*{_NAME})*"
@@ -42,9 +44,33 @@ def key_lines(text: str) -> dict[KeyPath, int]:
     return lines
 
 
-def line_of(path: KeyPath, lines: dict[KeyPath, int]) -> int | None:
-    """Return the line of a key, else of the nearest table that holds it, else None."""
-    return next((lines[path[:n]] for n in range(len(path), 0, -1) if path[:n] in lines), None)
+@dataclass(frozen=True)
+class Place:
+    """Where a key stands.
+
+    Attributes
+    ----------
+    file : str
+        The file, as messages name it.
+    line : int
+        Its line, counted from 1.
+    generation : int
+        How many files extend this one on the way from the case that is read.
+    """
+
+    file: str
+    line: int
+    generation: int = 0
+
+    @property
+    def order(self) -> tuple[int, int]:
+        """What places are sorted by: the case that is read comes first."""
+        return self.generation, self.line
+
+
+def place_of(path: KeyPath, places: dict[KeyPath, Place]) -> Place | None:
+    """Return where a key stands, else the nearest table that holds it, else None."""
+    return next((places[path[:n]] for n in range(len(path), 0, -1) if path[:n] in places), None)
 
 
 def _split(dotted: str) -> KeyPath:

@@ -1,14 +1,15 @@
-"""What moves the tissue. A further load is one more class here and one more name in `Load`."""
+"""What moves the tissue."""
 
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, Field, Strict, model_validator
 from pydantic_core import PydanticCustomError
 
-from ngcell.scene.section import SECTION, ByKind, PlanarVector, PositiveNumber
+from ngcell.scene.scope import is_planar, only_for_prisms, refuse
+from ngcell.scene.section import SECTION, PlanarVector, PositiveNumber
 
 #: More levels than this are a typing error; steps between them are chosen by the solver anyway.
 MOST_LEVELS = 1000
@@ -61,6 +62,9 @@ class Plates(BaseModel):
 
     model_config = SECTION
 
+    #: Which outer walls of the tissue it holds or moves.
+    supported: ClassVar[str | None] = "plates"
+
     kind: Literal["plates"] = "plates"
     displacement: PlanarVector | None = None
     stretch: PositiveNumber | None = None
@@ -82,6 +86,10 @@ class Plates(BaseModel):
     def _ends_under_a_pressure(self) -> Self:
         _check_ends(self.ends, self.end_pressure)
         return self
+
+    def check_scope(self, scene: dict[str, Any]) -> None:
+        """Refuse keys of prisms in a planar tissue, and a pressure on ends beside what comes before the load."""
+        _check_scope_of_ends(self, scene)
 
 
 class Frame(BaseModel):
@@ -109,6 +117,9 @@ class Frame(BaseModel):
     """
 
     model_config = SECTION
+
+    #: Which outer walls of the tissue it holds or moves.
+    supported: ClassVar[str | None] = "frame"
 
     kind: Literal["frame"] = "frame"
     deformation_gradient: Annotated[tuple[PlanarVector, PlanarVector], Strict(False)] | None = None
@@ -140,6 +151,10 @@ class Frame(BaseModel):
     def _ends_under_a_pressure(self) -> Self:
         _check_ends(self.ends, self.end_pressure)
         return self
+
+    def check_scope(self, scene: dict[str, Any]) -> None:
+        """Refuse keys of prisms in a planar tissue, and a pressure on ends beside what comes before the load."""
+        _check_scope_of_ends(self, scene)
 
     @model_validator(mode="after")
     def _keeps_orientation(self) -> Self:
@@ -173,6 +188,9 @@ class Ends(BaseModel):
 
     model_config = SECTION
 
+    #: Which outer walls of the tissue it holds or moves.
+    supported: ClassVar[str | None] = None
+
     kind: Literal["ends"] = "ends"
     twist: Annotated[float, Field(gt=-180, lt=180)] = 0.0
     bend: Annotated[float, Field(gt=-180, lt=180)] = 0.0
@@ -184,8 +202,10 @@ class Ends(BaseModel):
         """Load factors of the levels, in [0, 1]."""
         return level_factors(self.levels)
 
-
-Load = Annotated[Plates | Frame | Ends, ByKind()]
+    def check_scope(self, scene: dict[str, Any]) -> None:
+        """Refuse a planar tissue, which has no ends."""
+        if is_planar(scene):
+            refuse("is for prisms; allowed: only beside tissue.height", "kind")
 
 
 def level_factors(levels: int | tuple[float, ...]) -> tuple[float, ...]:
@@ -212,6 +232,14 @@ def _check_ends(ends: str | None, pressure: float | None) -> None:
     if ends != "pressed" and pressure is not None:
         allowed = 'is on ends that are not pressed; allowed: with ends = "pressed"'
         raise PydanticCustomError("limit", allowed, {"place": ("end_pressure",)})
+
+
+def _check_scope_of_ends(load: Plates | Frame, scene: dict[str, Any]) -> None:
+    only_for_prisms(load, scene, "ends", "end_pressure")
+    before_load = getattr(scene.get("lumen"), "before_load", None)
+    if load.end_pressure is not None and before_load is not None:
+        allowed = 'with empty lumens, inclusions or a lumen.pressure of ramp = "with-load"'
+        refuse(f"acts beside {before_load}; allowed: {allowed}", "end_pressure")
 
 
 def _smallest_determinant(gradient: Gradient) -> float:

@@ -1,22 +1,22 @@
-"""What the cells hold. Without this table they are hollow and empty, and nothing is built for it.
-
-A further filling is one more class here and one more name in `Lumen`.
-"""
+"""What the cells hold. Without this table they are hollow and empty, and nothing is built for it."""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BaseModel, Strict
+from pydantic import BaseModel, Strict, field_validator
 
-from ngcell.scene.material import Material
-from ngcell.scene.section import SECTION, ByKind, NonNegativeNumber, PositiveNumber
+from ngcell.scene.choice import OneOf
+from ngcell.scene.scope import is_planar, refuse
+from ngcell.scene.section import SECTION, NonNegativeNumber, PositiveNumber
+
+_CLOSED = "allowed: closed ones, with a tissue.end_wall"
 
 Row = Annotated[tuple[NonNegativeNumber, ...], Strict(False)]
 
 
 class CellPressure(BaseModel):
-    """A pressure in every cell, which pushes on its wall as it deforms.
+    """A pressure in every cell, which acts on its wall as it deforms.
 
     Parameters
     ----------
@@ -33,6 +33,23 @@ class CellPressure(BaseModel):
     pressure: NonNegativeNumber | Annotated[tuple[Row, ...], Strict(False)]
     ramp: Literal["with-load", "first"] = "with-load"
 
+    @property
+    def before_load(self) -> str | None:
+        """What is there in full before the load, in words; None where it grows with the load."""
+        return "a lumen.pressure that comes first" if self.ramp == "first" else None
+
+    def check_scope(self, scene: dict[str, Any]) -> None:
+        """Refuse hollow layers, and another number of pressures than there are cells."""
+        tissue = scene.get("tissue")
+        if tissue is None:
+            return
+        if not is_planar(scene) and tissue.end_wall is None and tissue.layers > 1:
+            refuse(f"escapes between layers of hollow prisms; {_CLOSED}", "kind")
+        rows, cols = tissue.grid
+        if isinstance(self.pressure, tuple) and [len(row) for row in self.pressure] != [cols] * rows:
+            allowed = "allowed: one pressure, or {rows} rows of {cols}, as many as there are cells"
+            refuse(allowed, "pressure", rows=rows, cols=cols)
+
 
 class Inclusion(BaseModel):
     """A solid that fills every cell and is bonded to its wall.
@@ -46,7 +63,14 @@ class Inclusion(BaseModel):
     model_config = SECTION
 
     kind: Literal["inclusion"] = "inclusion"
-    material: Material
+    material: Annotated[Any, OneOf("material")]
+
+    @field_validator("material")
+    @classmethod
+    def _without_fibres(cls, material: Any) -> Any:
+        if material.fibres is not None:
+            refuse("run along walls, which a lumen has none of; allowed: no fibres in an inclusion", "fibres")
+        return material
 
 
 class Fluid(BaseModel):
@@ -68,6 +92,14 @@ class Fluid(BaseModel):
     kind: Literal["fluid"] = "fluid"
     fill: PositiveNumber = 1.0
     ramp: Literal["with-load", "first"] = "with-load"
+    goes_with_cohesion: ClassVar[bool] = False
 
+    @property
+    def before_load(self) -> str | None:
+        """What is there in full before the load, in words."""
+        return "fluids in lumens"
 
-Lumen = Annotated[CellPressure | Inclusion | Fluid, ByKind()]
+    def check_scope(self, scene: dict[str, Any]) -> None:
+        """Refuse prisms that are open at their ends."""
+        if "tissue" in scene and not is_planar(scene) and scene["tissue"].end_wall is None:
+            refuse(f"flows out of hollow prisms; {_CLOSED}", "kind")

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import BaseModel, Field, Strict, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
+from ngcell.scene.scope import only_for_prisms
 from ngcell.scene.section import SECTION, PlanarVector, PositiveCount, PositiveNumber
 
 #: A refinement with more elements across than this is a typing error.
@@ -34,6 +35,10 @@ class MeshChoice(BaseModel):
     size: PositiveNumber | None = None
     layers: PositiveCount | None = None
     slices: PositiveCount | None = None
+
+    def check_scope(self, scene: dict[str, Any]) -> None:
+        """Refuse slices of planar cells."""
+        only_for_prisms(self, scene, "slices")
 
 
 class Refinement(BaseModel):

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from ngcell.errors import CaseError
-
-KeyPath = tuple[str | int, ...]
+from ngcell.scene.lines import KeyPath
 
 
 def apply_overrides(table: dict[str, Any], overrides: Sequence[str]) -> tuple[dict[str, Any], list[KeyPath]]:
@@ -27,12 +26,21 @@ def apply_overrides(table: dict[str, Any], overrides: Sequence[str]) -> tuple[di
     CaseError
         An override is not of that form, or its key leads through something that is not a table.
     """
-    paths: list[KeyPath] = []
     for override in overrides:
         path, value = _parse(override)
         table = _replaced(table, path, value, override)
-        paths.append(path)
-    return table, paths
+    return table, override_paths(overrides)
+
+
+def override_paths(overrides: Sequence[str]) -> list[KeyPath]:
+    """Return the keys that overrides set.
+
+    Raises
+    ------
+    CaseError
+        An override is not of the form ``key=value``.
+    """
+    return [_parse(override)[0] for override in overrides]
 
 
 def _parse(override: str) -> tuple[KeyPath, Any]:

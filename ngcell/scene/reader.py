@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -13,11 +11,13 @@ from pydantic import ValidationError
 from ngcell.errors import CaseError
 from ngcell.scene.catalogue import find_case
 from ngcell.scene.complaint import CaseText, complaints
+from ngcell.scene.inheritance import read_table
 from ngcell.scene.kinds import AnyCase, kind_of_case
-from ngcell.scene.lines import key_lines
-from ngcell.scene.overrides import apply_overrides
+from ngcell.scene.lines import KeyPath
+from ngcell.scene.overrides import apply_overrides, override_paths
 
-_POSITION = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
+#: Keys that say how a scene is solved, or nothing about it: expected numbers hold whatever they are.
+_NOT_OF_THE_SCENE = {"title", "source", "strategy", "steps", "contact", "mesh"}
 
 
 def read_case(path_or_name: str | Path, overrides: Sequence[str] = ()) -> AnyCase:
@@ -26,9 +26,11 @@ def read_case(path_or_name: str | Path, overrides: Sequence[str] = ()) -> AnyCas
     Parameters
     ----------
     path_or_name : str or Path
-        A TOML file, a folder that holds a `case.toml`, or the name of a case that comes with ngcell.
+        A TOML file, a folder that holds a `case.toml`, or the name of a case that comes with ngcell. Its key `extends`
+        takes over what another case says.
     overrides : sequence of str
-        ``key=value`` with a dotted key and a TOML value (or a bare string), in place of the file's values.
+        ``key=value`` with a dotted key and a TOML value (or a bare string), in place of the file's values. The file's
+        expected numbers are dropped where an override makes it another scene, unless one sets them as well.
 
     Returns
     -------
@@ -41,13 +43,20 @@ def read_case(path_or_name: str | Path, overrides: Sequence[str] = ()) -> AnyCas
         The file cannot be read or is no case; one line for each mistake.
     """
     file = find_case(path_or_name)
-    text = _text(file)
-    table, overridden = apply_overrides(_parsed(text, file), overrides)
+    said = read_table(file)
+    if _is_another_scene(override_paths(overrides)):
+        said.table.pop("expected", None)
+    table, overridden = apply_overrides(said.table, overrides)
     try:
         return kind_of_case(table).model_validate(table)
     except ValidationError as error:
-        case_text = CaseText(str(file), table, key_lines(text), tuple(overridden))
+        case_text = CaseText(str(file), table, said.places, tuple(overridden))
         raise CaseError("\n".join(complaints(error, case_text))) from None
+
+
+def case_title(file: Path) -> str:
+    """Return the title of a case file, which is not checked."""
+    return str(read_table(file).table.get("title", ""))
 
 
 def resolved_toml(case: AnyCase) -> str:
@@ -55,28 +64,12 @@ def resolved_toml(case: AnyCase) -> str:
 
     Notes
     -----
-    TOML has no "nothing": an optional number that the solver is left to choose does not appear.
+    TOML has no "nothing": an optional number that the solver is left to choose does not appear. An object that a script
+    handed over, and that no case file can say, appears by the name of its class.
     """
     return tomli_w.dumps(case.model_dump(mode="json", exclude_none=True))
 
 
-def _text(file: Path) -> str:
-    try:
-        return file.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        reason = error.strerror or error
-        raise CaseError(f"{file}: cannot be read ({reason}); allowed: a readable TOML file") from error
-    except UnicodeDecodeError as error:
-        raise CaseError(f"{file}: byte {error.start} is not UTF-8; allowed: a TOML file in UTF-8") from error
-
-
-def _parsed(text: str, file: Path) -> dict[str, object]:
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        reason, position = str(error), _POSITION.search(str(error))
-        line = position[1] if position and position[1] else len(text.splitlines())
-        column = f", column {position[2]}" if position and position[2] else ""
-        told = _POSITION.sub("", reason).splitlines()[0]
-        shown = text.splitlines()[int(line) - 1].strip() if text.strip() else ""
-        raise CaseError(f"{file}:{line}: not TOML{column}: {told}: {shown}; allowed: key = value") from None
+def _is_another_scene(overridden: Sequence[KeyPath]) -> bool:
+    keys = {path[0] for path in overridden}
+    return bool(keys - _NOT_OF_THE_SCENE) and "expected" not in keys

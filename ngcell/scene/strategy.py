@@ -1,12 +1,12 @@
-"""How the load path is followed. A further way is one more class here and one more name in `Strategy`."""
+"""How the load path is followed."""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Literal
 
 from pydantic import BaseModel
 
-from ngcell.scene.section import SECTION, ByKind, PositiveCount
+from ngcell.scene.section import SECTION, PositiveCount
 
 
 class Sddp(BaseModel):
@@ -37,6 +37,3 @@ class SingleStep(BaseModel):
 
     kind: Literal["single-step"] = "single-step"
     steps: PositiveCount | None = None
-
-
-Strategy = Annotated[Sddp | SingleStep, ByKind(default="sddp")]

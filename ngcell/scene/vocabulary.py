@@ -7,14 +7,21 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
+from ngcell.scene.choice import DEFAULT_KIND
 from ngcell.scene.kinds import AnyCase, kind_of_case
-from ngcell.scene.overrides import KeyPath
+from ngcell.scene.lines import KeyPath
+from ngcell.scene.registry import registered
 
 Node = dict[str, Any]
 
 
-@cache
 def _schema() -> Node:
+    return _schema_of(registered())
+
+
+@cache
+def _schema_of(own_kinds: tuple[type, ...]) -> Node:
+    """Return the schema while scripts have registered these kinds."""
     return TypeAdapter(AnyCase).json_schema()
 
 
@@ -84,7 +91,7 @@ def _resolved(node: Node, table: Any) -> Node:
     options = [option for option in node.get("anyOf", ()) if option.get("type") != "null"]
     if len(options) == 1:
         return _resolved(options[0], table)
-    kind = _entry(table, "kind") or _entry(node.get("default"), "kind")
+    kind = _entry(table, "kind") or node.get(DEFAULT_KIND)
     chosen = node.get("discriminator", {}).get("mapping", {}).get(kind) if isinstance(kind, str) else None
     return _resolved({"$ref": chosen}, table) if chosen else node
 

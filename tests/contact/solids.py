@@ -13,11 +13,11 @@ from ngcell.contact.surface.find import find_surface
 from ngcell.contact.surface.surface import Surface
 from ngcell.geometry.shapes import mesh_shapes
 from ngcell.mechanics.bulk import BulkEnergy
-from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.problem.assembly import Assembly
 
-LAW = MooneyRivlinLaw(0.7, 0.3, 20.0)
+LAW = MooneyRivlin(c1=0.7, c2=0.3, bulk_modulus=20.0)
 
 
 @dataclass(frozen=True, eq=False)

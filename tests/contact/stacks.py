@@ -14,11 +14,11 @@ from ngcell.contact.surface.find import find_surface
 from ngcell.contact.surface.surface import Surface
 from ngcell.geometry.shapes import mesh_shapes
 from ngcell.mechanics.bulk import BulkEnergy
-from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.problem.assembly import Assembly
 
-LAW = MooneyRivlinLaw(1.0, 1.0, 100.0)
+LAW = MooneyRivlin(c1=1.0, c2=1.0, bulk_modulus=100.0)
 REACH = 0.2
 
 

@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from ngcell.contact.methods.cohesion import Bonds, ExponentialLaw, bond_walls
+from ngcell.contact.cohesion.bonds import Bonds, bond_walls
+from ngcell.contact.cohesion.exponential import Cohesion
 from ngcell.problem.assembly import Assembly
 from tests.contact.derivatives import assert_derivatives, smooth_step
 from tests.contact.stacks import blocks
 from tests.tissues import SmallTissue, rotation, small_tissue
 
 STRENGTH, ENERGY = 0.3, 0.02
-LAW = ExponentialLaw(STRENGTH, ENERGY)
+LAW = Cohesion(strength=STRENGTH, energy=ENERGY)
 
 
 def bonded(tissue: SmallTissue) -> tuple[Assembly, Bonds]:

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
-from ngcell.contact.methods.stages import contact_stages
 from ngcell.contact.pairing.facing import find_facing
 from ngcell.scene import Penalty
 from tests.tissues import LAW, SmallTissue, dense_stiffness, small_tissue
@@ -179,4 +178,4 @@ def test_penalty_terms_of_any_stiffness_take_over_from_ones_that_follow_the_path
     """Else those that a case asks for would not stiffen where they are too soft for a continuation's."""
     walls = small_tissue(1, 2, order=1).walls
     moduli = np.ones(int(walls.body.max()) + 1)
-    assert len(contact_stages(Penalty(stiffness=stiffness), walls, moduli, reach=0.1)) > 1
+    assert len(Penalty(stiffness=stiffness).stages(walls, moduli, reach=0.1)) > 1

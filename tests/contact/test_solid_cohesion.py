@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from ngcell.contact.methods.cohesion import Bonds, ExponentialLaw, bond_walls
+from ngcell.contact.cohesion.bonds import Bonds, bond_walls
+from ngcell.contact.cohesion.exponential import Cohesion
 from ngcell.contact.surface.find import find_surface
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.prisms import prism_mesh
@@ -16,7 +17,7 @@ from ngcell.problem.assembly import Assembly
 from tests.contact.derivatives import assert_derivatives, smooth_step
 from tests.contact.solids import Pair, blocks, straddling
 
-LAW = ExponentialLaw(0.3, 0.02)
+LAW = Cohesion(strength=0.3, energy=0.02)
 
 
 def prisms(order: int) -> Pair:

@@ -8,7 +8,6 @@ import ngsolve
 import numpy as np
 import pytest
 
-from ngcell.geometry.drawn import body_face
 from ngcell.geometry.shapes import mesh_shapes
 from ngcell.scene import Block, Disc, MooneyRivlin, Refinement, Ring
 
@@ -22,7 +21,7 @@ def test_rings_and_discs_have_their_sides_and_areas(part, centre):
     ring = Ring(name="r", material=MATERIAL, inner=0.5, outer=1.0, centre=centre, part=part)
     disc = Disc(name="d", material=MATERIAL, radius=2.0, centre=centre, part=part)
     for body, area in ((ring, 0.75 * pi), (disc, 4 * pi)):
-        bodies = mesh_shapes([body_face(body)], [body.name], order=3, size=0.3)
+        bodies = mesh_shapes([body.face], [body.name], order=3, size=0.3)
         assert set(bodies.mesh.GetBoundaries()) == set(body.boundaries)
         assert ngsolve.Integrate(1, bodies.mesh) == pytest.approx(area / SHARES[part], rel=1e-4)
         for cut, coordinate, place in (("x0", ngsolve.x, centre[0]), ("y0", ngsolve.y, centre[1])):
@@ -33,7 +32,7 @@ def test_rings_and_discs_have_their_sides_and_areas(part, centre):
 
 def test_circles_of_a_ring_are_told_apart():
     ring = Ring(name="r", material=MATERIAL, inner=0.5, outer=1.0)
-    mesh = mesh_shapes([body_face(ring)], ["r"], order=3, size=0.2).mesh
+    mesh = mesh_shapes([ring.face], ["r"], order=3, size=0.2).mesh
     for side, radius in (("inner", 0.5), ("outer", 1.0)):
         length = ngsolve.Integrate(1, mesh, definedon=mesh.Boundaries(f"r_{side}"))
         assert length == pytest.approx(2 * pi * radius, rel=1e-4)
@@ -41,7 +40,7 @@ def test_circles_of_a_ring_are_told_apart():
 
 def test_block_has_its_sides():
     block = Block(name="b", material=MATERIAL, low=(1.0, 2.0), high=(3.0, 7.0), size=0.5)
-    mesh = mesh_shapes([body_face(block)], ["b"], order=1, size=5.0).mesh
+    mesh = mesh_shapes([block.face], ["b"], order=1, size=5.0).mesh
     lengths = {
         side: ngsolve.Integrate(1, mesh, definedon=mesh.Boundaries(f"b_{side}"))
         for side in ("bottom", "top", "left", "right")
@@ -52,14 +51,14 @@ def test_block_has_its_sides():
 
 def test_untouched_sides_are_no_walls():
     ring = Ring(name="r", material=MATERIAL, inner=0.5, outer=1.0, part="upper-right")
-    bodies = mesh_shapes([body_face(ring)], ["r"], order=2, untouched=["r_x0", "r_y0", "r_inner"])
+    bodies = mesh_shapes([ring.face], ["r"], order=2, untouched=["r_x0", "r_y0", "r_inner"])
     assert bodies.wall_names == "r_outer"
 
 
 def test_elements_are_small_where_they_are_refined():
     block = Block(name="b", material=MATERIAL, low=(0.0, 0.0), high=(4.0, 4.0))
     refinement = Refinement(at=(0.0, 0.0), within=0.5, size=0.1)
-    mesh = mesh_shapes([body_face(block)], ["b"], order=1, size=2.0, refinements=[refinement]).mesh
+    mesh = mesh_shapes([block.face], ["b"], order=1, size=2.0, refinements=[refinement]).mesh
     points = np.array([vertex.point for vertex in mesh.vertices])
     on_left = np.sort(points[points[:, 0] < 1e-9, 1])
     steps = np.diff(on_left)

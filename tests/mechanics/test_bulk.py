@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ngcell.mechanics.bulk import BulkEnergy
-from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.space import csr_matrix
 from tests.mechanics.test_hyperelastic import stored_energy
 from tests.tissues import LAW, small_tissue
@@ -18,7 +18,9 @@ def rates(remainders: list[float]) -> np.ndarray:
     return np.log2(np.array(remainders[:-1]) / remainders[1:])
 
 
-@pytest.mark.parametrize("law", [MooneyRivlinLaw(0.7, 0.3, 20.0), MooneyRivlinLaw(1.0, 0.0, 20.0)])
+@pytest.mark.parametrize(
+    "law", [MooneyRivlin(c1=0.7, c2=0.3, bulk_modulus=20.0), MooneyRivlin(c1=1.0, c2=0.0, bulk_modulus=20.0)]
+)
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_taylor_remainders_of_energy_and_forces_vanish_at_their_rates(law, order):
     tissue = small_tissue(1, 1, order=order, edges=1)
@@ -38,7 +40,7 @@ def test_taylor_remainders_of_energy_and_forces_vanish_at_their_rates(law, order
 
 def test_each_body_stores_energy_by_its_own_law():
     tissue = small_tissue(1, 3, order=1)
-    soft, hard = MooneyRivlinLaw(1.0, 0.5, 10.0), MooneyRivlinLaw(30.0, 0.0, 300.0)
+    soft, hard = MooneyRivlin(c1=1.0, c2=0.5, bulk_modulus=10.0), MooneyRivlin(c1=30.0, c2=0.0, bulk_modulus=300.0)
     gradient = np.array([[0.1, 0.2], [-0.05, 0.15]])
     field = tissue.space.affine(gradient, np.zeros(2)).ravel()
     area = tissue.volume / 3

@@ -10,11 +10,11 @@ from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.rings import ring_layers, ring_mesh
 from ngcell.mechanics.bulk import BulkEnergy
 from ngcell.mechanics.filling import cell_pressures, filling_pressures
-from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.space import DisplacementSpace, csr_matrix
 from ngcell.scene import CellPressure, Tissue
 
-WALL, FILLING = MooneyRivlinLaw(1.0, 1.0, 100.0), MooneyRivlinLaw(0.01, 0.0, 100.0)
+WALL, FILLING = MooneyRivlin(c1=1.0, c2=1.0, bulk_modulus=100.0), MooneyRivlin(c1=0.01, c2=0.0, bulk_modulus=100.0)
 
 
 def area(points: np.ndarray, quads: np.ndarray) -> np.ndarray:
@@ -70,7 +70,7 @@ def test_a_stretched_filling_stores_its_own_energy_beside_that_of_the_wall():
     assert shares == {FILLING: 12, WALL: 12}
 
 
-def density(law: MooneyRivlinLaw, gradient: np.ndarray) -> float:
+def density(law: MooneyRivlin, gradient: np.ndarray) -> float:
     stretch = np.eye(3)
     stretch[:2, :2] += gradient
     jacobian = np.linalg.det(stretch)

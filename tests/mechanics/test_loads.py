@@ -13,13 +13,13 @@ from ngcell.errors import CaseError
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.shapes import mesh_shapes
 from ngcell.mechanics.bulk import BulkEnergy
-from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace, csr_matrix
 from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.scene import BodyForce, Pressure, Traction
 
-LAW = MooneyRivlinLaw(0.7, 0.3, 20.0)
+LAW = MooneyRivlin(c1=0.7, c2=0.3, bulk_modulus=20.0)
 STEP = 1e-4
 STILL = np.zeros((2, 2))
 

@@ -10,11 +10,10 @@ from itertools import pairwise
 import numpy as np
 from netgen import occ
 
-from ngcell.contact.methods.stages import contact_stages
 from ngcell.contact.surface.find import find_surface
 from ngcell.geometry.shapes import mesh_shapes
 from ngcell.mechanics.bulk import BulkEnergy
-from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
@@ -133,7 +132,8 @@ class Rig:
             self.bodies = replace(self.bodies, wall_names=walls)
         self.space = DisplacementSpace(self.bodies, scene.order)
         self.laws = [
-            MooneyRivlinLaw(body.material.c1, body.material.c2, body.material.bulk_modulus) for body in scene.bodies
+            MooneyRivlin(c1=body.material.c1, c2=body.material.c2, bulk_modulus=body.material.bulk_modulus)
+            for body in scene.bodies
         ]
         supports = [
             Support(given.boundary, np.array(given.gradient), np.array(given.translation), given.components)
@@ -148,7 +148,7 @@ class Rig:
     def _stages(self) -> list[Assembly]:
         walls = find_surface(self.bodies, self.space.scalar, self.space.rest)
         moduli = np.array([law.plane_strain_modulus for law in self.laws])
-        methods = contact_stages(self.scene.contact, walls, moduli, reach=self.bodies.thickness)
+        methods = self.scene.contact.stages(walls, moduli, reach=self.bodies.thickness)
         return [Assembly(self.space, self.bulk, self.motion.fixed, contact=method) for method in methods]
 
     def _minimiser(self, assembly: Assembly) -> Minimiser:

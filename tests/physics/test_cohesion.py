@@ -11,7 +11,6 @@ from scipy.integrate import simpson
 
 from ngcell.build.observation import Step
 from ngcell.build.simulation import Simulation
-from ngcell.contact.methods.cohesion import ExponentialLaw
 from ngcell.scene import Block, BodyCase, Cohesion, MooneyRivlin
 from ngcell.scene.case_of_bodies import SupportEntry
 from ngcell.scene.mesh import BodyMeshChoice
@@ -24,7 +23,7 @@ MATERIAL = MooneyRivlin(c1=0.5, c2=0.5, bulk_modulus=20.0)
 class Pulled:
     """Blocks pulled apart: the law and the accepted steps."""
 
-    law: ExponentialLaw
+    law: Cohesion
     prescribed_displacement: float
     steps: list[Step]
 
@@ -62,8 +61,8 @@ def blocks_case(prescribed_displacement: float, steps: int, cohesion: Cohesion |
 @cache
 def pulled(strength: float, peaks: float, steps: int) -> Pulled:
     """Blocks pulled apart by so many times the opening at the peak."""
-    law = ExponentialLaw(strength, ENERGY)
-    case = blocks_case(peaks * law.peak, steps, Cohesion(strength=strength, energy=ENERGY))
+    law = Cohesion(strength=strength, energy=ENERGY)
+    case = blocks_case(peaks * law.peak, steps, law)
     return Pulled(law, peaks * law.peak, list(Simulation(case).accepted_steps()))
 
 
@@ -89,7 +88,7 @@ def test_traction_follows_the_law():
 def test_blocks_that_snap_lose_what_they_had_stored_and_the_account_closes():
     """Blocks softer than the falling branch: at held supports there is no equilibrium behind the peak."""
     strength = 1.0
-    law = ExponentialLaw(strength, ENERGY)
+    law = Cohesion(strength=strength, energy=ENERGY)
     assert strength / (np.e * law.peak) > 4 * MATERIAL.bulk_modulus  # falls faster than two blocks could give way
     blocks = pulled(strength, 180.0, 40)
     last = blocks.steps[-1].record
@@ -123,7 +122,7 @@ def pressed(cohesion: Cohesion | None) -> Step:
 
 
 def test_bonds_that_were_opened_go_back_along_the_secant():
-    law = ExponentialLaw(0.1, ENERGY)
+    law = Cohesion(strength=0.1, energy=ENERGY)
     levels = (0.5, 1.0, 0.5, 0.0)
     case = blocks_case(6.0 * law.peak, 40, Cohesion(strength=0.1, energy=ENERGY)).model_copy(update={"levels": levels})
     steps = list(Simulation(case).accepted_steps())

@@ -9,7 +9,7 @@ from netgen.meshing import Mesh
 
 from ngcell.geometry.bodies import FILLING, BodyMesh
 from ngcell.mechanics.bulk import BulkEnergy
-from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
@@ -55,7 +55,7 @@ def corner(count: int, order: int, ratio: float) -> tuple[np.ndarray, int]:
     """Displacement of the upper right corner, and the number of unknowns."""
     space = DisplacementSpace(membrane(count), order)
     motion = PrescribedMotion(space, [Support("clamped", np.zeros((2, 2)), np.zeros(2))])
-    law = MooneyRivlinLaw(MU, 0.0, ratio * MU)
+    law = MooneyRivlin(c1=MU, c2=0.0, bulk_modulus=ratio * MU)
     loads = BoundaryLoads(space, [Traction("pulled", (0.0, FORCE / 16))], motion)
     bulk = BulkEnergy(space, [law], loads, filling=law)
     minimiser = Minimiser(Assembly(space, bulk, motion.fixed), np.inf, energy_scale=MU * 48 * 30)

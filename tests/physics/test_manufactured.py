@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from ngcell.build.simulation import Simulation
-from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from tools.manufactured import C1, C2, END, KAPPA, PROBLEMS, Exact, errors, first_piola, scene
 
 
 def test_the_stress_is_the_derivative_of_the_stored_energy():
     mesh = Simulation(scene(Exact("touching"), "penalty", 1, 0.25)).bodies.mesh
-    law, step = MooneyRivlinLaw(C1, C2, KAPPA), 1e-6
+    law, step = MooneyRivlin(c1=C1, c2=C2, bulk_modulus=KAPPA), 1e-6
     at = np.array([1.3, 0.4, -0.2, 0.7])
 
     def energy(entries: np.ndarray) -> float:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partialmethod
 
 import numpy as np
 import pytest
-from ngcell.build.checkpoint import Checkpoint
 
 import ngcell
+from ngcell.build.checkpoint import Checkpoint
 from ngcell.build.observation import Step
 from ngcell.build.simulation import Simulation
-from ngcell.contact.methods import stages
+from ngcell.contact.methods.by_mortar import Mortar
+from ngcell.contact.methods.stages import ContactOptions
 from ngcell.results.forces import body_resultants, contact_forces
 
 
@@ -57,7 +58,8 @@ def test_energy_and_forces_are_those_of_a_penalty_up_to_its_overlaps():
 @pytest.mark.parametrize("multiple", [0.1, 10.0])
 def test_the_stiffness_of_the_penalty_terms_leaves_no_trace(multiple, monkeypatch):
     _, usual = solved()
-    monkeypatch.setattr(stages, "MORTAR_MULTIPLE", multiple * stages.MORTAR_MULTIPLE)
+    options = ContactOptions(mortar_multiple=multiple * ContactOptions().mortar_multiple)
+    monkeypatch.setattr(Mortar, "stages", partialmethod(Mortar.stages, options=options))
     *_, other = Simulation(case()).accepted_steps()
     assert other.record.energy == pytest.approx(usual.record.energy, rel=1e-7)
 

@@ -7,11 +7,13 @@ kept from widening.
 
 from __future__ import annotations
 
+from functools import partialmethod
+
 import numpy as np
 import pytest
 from netgen import occ
 
-from ngcell.contact.methods import stages
+from ngcell.contact.methods.stages import ContactOptions
 from ngcell.scene import Mortar
 from ngcell.scene.bodies import Body, BodyScene, BodySupport
 from tests.physics.rig import Equilibrium, Rig, rubber
@@ -83,6 +85,7 @@ def test_k1_blocks_with_free_sides_press_uniformly(order, stretch, sizes):
 
 @pytest.mark.parametrize("multiple", [10.0, 100.0])
 def test_the_stiffness_of_the_penalty_terms_leaves_no_trace(multiple, monkeypatch):
-    monkeypatch.setattr(stages, "MORTAR_MULTIPLE", multiple)
+    stiffer = partialmethod(Mortar.stages, options=ContactOptions(mortar_multiple=multiple))
+    monkeypatch.setattr(Mortar, "stages", stiffer)
     exact = -RadialSolid(0.8, 0.2, SPONGE).slopes(1.0, 0.8)[1]
     assert_uniform(pressed(0.8, (0.4, 0.27), 2, confined=True), exact)

@@ -9,12 +9,11 @@ import pytest
 from scipy.integrate import simpson
 
 from ngcell.build.simulation import Simulation, Step
-from ngcell.contact.methods.cohesion import ExponentialLaw
 from ngcell.scene import BodyScene, Cohesion
 from tests.physics.test_stacked_solids import block, held
 from tests.prisms import case
 
-LAW = ExponentialLaw(0.1, 0.01)
+LAW = Cohesion(strength=0.1, energy=0.01)
 PEAKS, STEPS = 4.0, 4
 HEIGHT = 0.4
 
@@ -25,7 +24,7 @@ def parted() -> list[Step]:
     bodies = [block("lower", 0.0, 0.5, 1.5), block("upper", 0.5, 1.0, 0.9)]
     mirrors = [held(f"{body.name}_{side}") for body in bodies for side in ("x0", "y0")]
     supports = [*mirrors, held("lower_z0"), held("upper_z1", PEAKS * LAW.peak)]
-    cohesion = Cohesion(strength=LAW.strength, energy=LAW.energy)
+    cohesion = LAW
     return list(
         Simulation(BodyScene(bodies, supports, size=1.5, order=1, steps=STEPS, cohesion=cohesion)).accepted_steps()
     )

@@ -13,7 +13,7 @@ from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.rings import ring_mesh
 from ngcell.mechanics.bulk import BulkEnergy
-from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.problem.assembly import Assembly
 from ngcell.problem.tie import tie_walls
@@ -21,7 +21,7 @@ from ngcell.results.fields import jacobian_range, take_snapshot
 from ngcell.results.snapshot import Snapshot
 
 ORDERS = (1, 2, 3, 4)
-SOFT, STIFF = MooneyRivlinLaw(1.0, 0.5, 10.0), MooneyRivlinLaw(3.0, 2.0, 50.0)
+SOFT, STIFF = MooneyRivlin(c1=1.0, c2=0.5, bulk_modulus=10.0), MooneyRivlin(c1=3.0, c2=2.0, bulk_modulus=50.0)
 STRETCHED = np.array([[1.3, 0.2], [-0.1, 0.9]])
 CORNERS = {28: 4, 22: 3}
 
@@ -71,7 +71,7 @@ def interpolated(assembly: Assembly, field: ngsolve.CoefficientFunction) -> np.n
     return function.vec.FV().NumPy().copy()
 
 
-def stored_energy(law: MooneyRivlinLaw, gradient: np.ndarray) -> complex:
+def stored_energy(law: MooneyRivlin, gradient: np.ndarray) -> complex:
     """W of a full 3 x 3 deformation gradient, from the invariants of C; takes complex entries."""
     right = gradient.T @ gradient
     jacobian = np.linalg.det(gradient)
@@ -81,7 +81,7 @@ def stored_energy(law: MooneyRivlinLaw, gradient: np.ndarray) -> complex:
     return (isochoric + law.bulk_modulus * np.log(jacobian) ** 2) / 2
 
 
-def differentiated_stress(law: MooneyRivlinLaw, gradient: np.ndarray) -> np.ndarray:
+def differentiated_stress(law: MooneyRivlin, gradient: np.ndarray) -> np.ndarray:
     """``sigma = dW/dF F^T / J``, with dW/dF by complex steps, which lose no digits."""
     first_piola = np.zeros((3, 3))
     for entry in np.ndindex(3, 3):

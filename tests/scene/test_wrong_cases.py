@@ -333,7 +333,7 @@ def test_empty_file_names_the_tables_that_are_needed(tmp_path: Path) -> None:
     assert [line.split(" is missing")[0] for line in lines] == [
         f"{file}: {table}" for table in ("tissue", "material", "load")
     ]
-    assert "allowed: a table [tissue] with rows, cols" in lines[0]
+    assert "allowed: a table [tissue] with kind, rows, cols" in lines[0]
 
 
 def test_file_that_is_no_text(tmp_path: Path) -> None:

@@ -1,60 +1,84 @@
-"""From the choice in a case to contact methods: the soft ones that a path is followed with, and the one that is meant."""
+"""From the choice in a case to contact methods: the soft ones of the continuation, and the one that is meant.
+
+A further contact method is one file beside this one, with a section that offers `stages`, and one line in
+`ngcell.scene.registry`; a script may hand over any object that is a `ContactChoice`.
+"""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.methods.mortar import MortarContact
-from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
 from ngcell.contact.methods.protocol import ContactMethod
 from ngcell.contact.surface.surface import Surface
-from ngcell.scene import Mortar, Penalty
 
 Array = NDArray[np.float64]
 
-#: Stiffness of the penalty terms in layers of elements: of the penalty that is meant, of the one with which continuation paths are
-#: followed (as stiff as the layer behind the wall, it costs a third of the iterations), and of the mortar method, whose
-#: result does not know it: softer penalty terms need more updates of the pressures, stiffer ones more steps to each. In
-#: between penalties rise by steps of `STAGE_FACTOR`; the last before the mortar method overlaps so little that walls do not
-#: jump apart where it takes over.
-PENALTY_MULTIPLE, PATH_MULTIPLE, MORTAR_MULTIPLE, STAGE_FACTOR = 10.0, 1.0, 3.0, 10.0
-HANDOVER_MULTIPLE = 3.0
 
+@dataclass(frozen=True)
+class ContactOptions:
+    """The solver's own numbers of contact: stiffness of penalty terms, in layers of elements behind the wall.
 
-def contact_stages(
-    choice: Penalty | Mortar, walls: Surface, modulus_of_body: Array, reach: float
-) -> tuple[ContactMethod, ...]:
-    """Return contact from the softest, with which paths are followed, to the one that is meant.
-
-    Parameters
+    Attributes
     ----------
-    choice : Penalty or Mortar
-        The choice.
-    walls : Surface
-        The walls.
-    modulus_of_body : array of float, shape (bodies,)
-        Plane-strain modulus of each body [stress].
-    reach : float
-        Distance up to which walls are paired [length].
+    penalty_multiple : float
+        Stiffness of the penalty method that is meant, > 0.
+    path_multiple : float
+        Stiffness with which continuation paths are followed, > 0: as stiff as the layer behind the wall, it costs a
+        third of the iterations.
+    stage_factor : float
+        Factor between the stages from there to the one that is meant, > 1.
+    mortar_multiple : float
+        Stiffness of the mortar method, > 0. The result does not depend on it: softer terms need more updates of the
+        multipliers, stiffer ones more steps to each.
+    handover_multiple : float
+        Stiffness of the last penalty method before the mortar method takes over, > 0: walls overlap so little that they
+        do not jump apart.
     """
 
-    def penalty(multiple: float, *, may_stiffen: bool = True) -> ContactMethod:
-        return PenaltyContact(
-            walls, penalty_stiffness(walls, modulus_of_body, multiple), reach, may_stiffen=may_stiffen
-        )
+    penalty_multiple: float = 10.0
+    path_multiple: float = 1.0
+    stage_factor: float = 10.0
+    mortar_multiple: float = 3.0
+    handover_multiple: float = 3.0
 
-    if isinstance(choice, Mortar):
-        stiffness = penalty_stiffness(walls, modulus_of_body, MORTAR_MULTIPLE)
-        handover = penalty(HANDOVER_MULTIPLE, may_stiffen=False)
-        return penalty(PATH_MULTIPLE), handover, MortarContact(walls, stiffness, reach)
-    meant = PENALTY_MULTIPLE * choice.stiffness
-    return tuple(penalty(multiple) for multiple in (*(_softer(meant) or [meant]), meant))
+    def path_multiples(self, meant: float) -> list[float]:
+        """Return the stiffnesses of the stages before the one that is meant, the softest first; at least one."""
+        multiples, multiple = [], self.path_multiple
+        while multiple < meant * (1 - 1e-9):
+            multiples.append(multiple)
+            multiple *= self.stage_factor
+        return multiples or [meant]
 
 
-def _softer(meant: float) -> list[float]:
-    multiples, multiple = [], PATH_MULTIPLE
-    while multiple < meant * (1 - 1e-9):
-        multiples.append(multiple)
-        multiple *= STAGE_FACTOR
-    return multiples
+#: What is used unless somebody hands down other numbers.
+DEFAULT_OPTIONS = ContactOptions()
+
+
+@runtime_checkable
+class ContactChoice(Protocol):
+    """What walls do to each other, as a case says it."""
+
+    @property
+    def goes_with_cohesion(self) -> bool:
+        """Whether walls may be bonded as well."""
+
+    def stages(
+        self, walls: Surface, modulus_of_body: Array, *, reach: float, options: ContactOptions = DEFAULT_OPTIONS
+    ) -> tuple[ContactMethod, ...]:
+        """Return contact from the softest, with which continuation paths are followed, to the one that is meant.
+
+        Parameters
+        ----------
+        walls : Surface
+            The walls.
+        modulus_of_body : array of float, shape (bodies,)
+            Plane-strain modulus of each body [stress].
+        reach : float
+            Distance up to which walls are paired [length].
+        options : ContactOptions
+            The solver's own numbers.
+        """

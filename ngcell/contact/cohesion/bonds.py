@@ -1,4 +1,4 @@
-"""Cohesion: bonds between material points that face each other at rest, with a strength and a separation energy.
+"""Bonds between material points that face each other at rest, and that follow a cohesive law.
 
 Each bond joins a point of a wall to the point of the wall opposite that it coincides with at rest, for good: bonds do
 not find new contact pairs. With the vector ``a`` from the one to the other and its part h along the normal of the wall
@@ -6,19 +6,13 @@ between the two (open > 0), the opening is
 
     lambda = sqrt(|a|^2 - min(0, h)^2)
 
-so that sliding loads a bond as parting does, and compression is left to contact. The traction of a bond that
-opens is
+so that sliding loads a bond as parting does, and compression is left to contact. A bond that opens further than ever
+before has the traction T(lambda) of its law. One that has been opened by `largest` and is opened less follows the
+secant to the origin, with stiffness ``T(largest) / largest``: what separates is spent, and does not come back.
 
-    T(lambda) = strength (lambda / peak) exp(1 - lambda / peak),     energy = e strength peak
-
-which rises to `strength` at the opening `peak`, falls off behind it, and takes `energy` per reference length to
-separate: both numbers are the user's, and no penalty is needed (Smith-Ferrante law as in Ortiz & Pandolfi 1999,
-doi:10.1002/(SICI)1097-0207(19990330)44:9<1267::AID-NME486>3.0.CO;2-7, with shear and normal weighed alike). A bond that
-has been opened by `largest` and is opened less follows the secant to the origin, with stiffness
-``T(largest) / largest``: what separates is spent, and does not come back.
-
-The energy of one increment is that of the secant up to `largest` and that of the law beyond: once differentiable, and
-concave in ``lambda^2``, so the secant stiffness lies above the tangent.
+The energy of one increment is that of the secant up to `largest` and that of the law beyond: once differentiable. Where
+the secant stiffness falls with the opening, as laws have it, the energy is concave in ``lambda^2``, so the secant
+stiffness lies above the tangent.
 """
 
 from __future__ import annotations
@@ -29,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from ngcell.contact.cohesion.law import CohesiveLaw
 from ngcell.contact.gap.kinematics import GapKinematics
 from ngcell.contact.gap.midsurface import midsurface_kinematics
 from ngcell.contact.pairing.mortar_points import mortar_points
@@ -45,45 +40,6 @@ _COINCIDENCE = 1e-6
 _NO_STIFFNESS = 1e-14
 
 
-@dataclass(frozen=True)
-class ExponentialLaw:
-    """The law of traction over opening.
-
-    Attributes
-    ----------
-    strength : float
-        Largest traction [stress], > 0.
-    energy : float
-        Separation energy per reference length, in three dimensions for each area [stress * length], > 0.
-    """
-
-    strength: float
-    energy: float
-
-    @property
-    def peak(self) -> float:
-        """Opening at the largest traction [length]."""
-        return self.energy / (np.e * self.strength)
-
-    @property
-    def stiffness_at_rest(self) -> float:
-        """Traction over opening of a whole bond [stress / length]."""
-        return np.e * self.strength / self.peak
-
-    def traction(self, opening: Array) -> Array:
-        """Return the traction of bonds that open [stress]."""
-        return self.secant(opening) * opening
-
-    def secant(self, opening: Array) -> Array:
-        """Return the traction over the opening [stress / length]."""
-        return np.asarray(self.stiffness_at_rest * np.exp(-opening / self.peak))
-
-    def work(self, opening: Array) -> Array:
-        """Return the work of opening a bond for the first time [stress * length]."""
-        share = opening / self.peak
-        return np.asarray(-self.energy * (np.expm1(-share) + share * np.exp(-share)))
-
-
 @dataclass(eq=False)
 class Bonds:
     """Bonds between walls, and how far each has been opened.
@@ -93,7 +49,7 @@ class Bonds:
 
     Attributes
     ----------
-    law : ExponentialLaw
+    law : CohesiveLaw
         The law of all bonds.
     kinematics : GapKinematics
         The vectors between the points of each bond, and the tangents of the wall between them.
@@ -103,7 +59,7 @@ class Bonds:
         Largest opening in any accepted state [length].
     """
 
-    law: ExponentialLaw
+    law: CohesiveLaw
     kinematics: GapKinematics
     bodies: Index
     largest: Array = field(init=False)
@@ -114,7 +70,7 @@ class Bonds:
     @property
     def weight(self) -> Array:
         """Length at rest that each bond stands for [length], in three dimensions area, shape (bonds,)."""
-        return self.kinematics.pairs.weight
+        return np.asarray(self.kinematics.pairs.weight)
 
     def reset(self) -> None:
         """Make all bonds whole."""
@@ -145,7 +101,7 @@ class Bonds:
         return float(self.weight @ (self.law.work(reached) - self.law.secant(reached) * reached**2 / 2))
 
     def broken(self, positions: Array) -> NDArray[np.bool_]:
-        """Return which bonds have been opened beyond their strength, this state included."""
+        """Return which bonds have been opened beyond the opening at full strength, this state included."""
         return np.maximum(self.openings(positions), self.largest) > self.law.peak
 
     def slopes(self, positions: Array) -> Array:
@@ -171,8 +127,8 @@ class Bonds:
         opening, secant, largest = opening[chosen], secant[chosen], self.largest[chosen]
         blocks *= secant[:, None, None]
         opens = np.flatnonzero(opening > largest)
-        fall = secant[opens] / (self.law.peak * opening[opens])
-        blocks[opens] -= fall[:, None, None] * slope[opens, :, None] * slope[opens, None, :]
+        rise = self.law.secant_slope(opening[opens]) / opening[opens]
+        blocks[opens] += rise[:, None, None] * slope[opens, :, None] * slope[opens, None, :]
         return self.kinematics.assemble(self.weight[chosen, None, None] * blocks, chosen, positions.shape[1])
 
     def couplings(self) -> tuple[Index, Index]:
@@ -182,7 +138,10 @@ class Bonds:
         return np.repeat(dofs, width, axis=1).ravel(), np.tile(dofs, (1, width)).ravel()
 
     def _half_squares(self, positions: Array) -> Array:
-        """Return the derivatives of ``lambda^2 / 2`` by ``(a, t)``, in three dimensions ``(a, t, t')``, shape (bonds, 4 or 9)."""
+        """Return the derivatives of ``lambda^2 / 2`` by ``(a, t)``, shape (bonds, 4).
+
+        In three dimensions by ``(a, t, t')``, shape (bonds, 9).
+        """
         a, *_ = self.kinematics.vectors(positions)
         height, slopes = self.kinematics.slopes(positions)
         squares = -np.minimum(height, 0)[:, None] * slopes
@@ -201,7 +160,7 @@ class Bonds:
         return blocks
 
 
-def bond_walls(walls: Surface, law: ExponentialLaw) -> Bonds:
+def bond_walls(walls: Surface, law: CohesiveLaw) -> Bonds:
     """Bond all walls that coincide at rest, each pair by the points of a Gauss rule; meshes need not match.
 
     Raises

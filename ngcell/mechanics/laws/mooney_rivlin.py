@@ -1,6 +1,6 @@
-"""Hyperelastic laws as symbolic stored energies, and their stresses in closed form.
+"""The Mooney-Rivlin solid: its symbolic stored energy, and its stress in closed form.
 
-Mooney-Rivlin with the isochoric split, in the constants of the source work (note the halves):
+With the isochoric split and a factor 1/2 in front of both constants:
 
     W = c1/2 (I1* - 3) + c2/2 (I2* - 3) + kappa/2 (ln J)^2,   I1* = J^(-2/3) I1,  I2* = J^(-4/3) I2.
 
@@ -13,37 +13,49 @@ matrix expressions.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import Annotated, Any, Literal, Self
 
 import ngsolve
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BaseModel
 
-if TYPE_CHECKING:
-    from ngcell.mechanics.fibres import FibreLaw
+from ngcell.mechanics.laws.law import FibreLaw, plane_strain_modulus
+from ngcell.scene.choice import OneOf
+from ngcell.scene.scope import refuse
+from ngcell.scene.section import SECTION, NonNegativeNumber, PositiveNumber
 
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class MooneyRivlinLaw:
-    """A Mooney-Rivlin solid.
+class MooneyRivlin(BaseModel):
+    """Mooney-Rivlin solid, ``W = c1/2 (I1 - 3) + c2/2 (I2 - 3)`` of the isochoric part, made compressible.
 
-    Attributes
+    Parameters
     ----------
-    c1, c2 : float
-        Constants [stress], c1 > 0, c2 >= 0; c2 = 0 is neo-Hookean.
+    c1 : float
+        First constant, a stress, > 0. The shear modulus at rest is ``c1 + c2``.
+    c2 : float
+        Second constant, a stress, >= 0; 0 is the neo-Hookean solid.
     bulk_modulus : float
-        kappa [stress], > 0.
-    fibres : FibreLaw, optional
-        Fibres, which add to the stored energy given here.
+        Modulus of the volumetric energy ``bulk_modulus/2 (ln J)**2``, a stress, > 0.
+    fibres : ExponentialFibres or QuadraticFibres, optional
+        Fibres in it, which add to the stored energy given here; by default there are none.
     """
 
-    c1: float
-    c2: float
-    bulk_modulus: float
-    fibres: FibreLaw | None = None
+    model_config = SECTION
+
+    kind: Literal["mooney-rivlin"] = "mooney-rivlin"
+    c1: PositiveNumber
+    c2: NonNegativeNumber
+    bulk_modulus: PositiveNumber
+    fibres: Annotated[FibreLaw, OneOf("fibres")] | None = None
+
+    def check_scope(self, scene: dict[str, Any]) -> None:
+        """Refuse a direction of the fibres in a tissue, whose walls have directions of their own."""
+        if "tissue" in scene and self.fibres is not None and self.fibres.direction is not None:
+            what = "is that of the wall in a tissue; allowed: no direction, or angles from the wall's"
+            refuse(what, "fibres", "direction")
 
     @property
     def shear_modulus(self) -> float:
@@ -53,12 +65,11 @@ class MooneyRivlinLaw:
     @property
     def plane_strain_modulus(self) -> float:
         """Modulus E / (1 - nu^2) of a plane-strain half-space at rest [stress]."""
-        mu, kappa = self.shear_modulus, self.bulk_modulus
-        return 4 * mu * (3 * kappa + mu) / (3 * kappa + 4 * mu)
+        return plane_strain_modulus(self.shear_modulus, self.bulk_modulus)
 
-    def softened(self, ratio: float) -> MooneyRivlinLaw:
+    def softened(self, ratio: float) -> Self:
         """Return the law with a bulk modulus of at most `ratio` times the shear modulus."""
-        return replace(self, bulk_modulus=min(self.bulk_modulus, ratio * self.shear_modulus))
+        return self.model_copy(update={"bulk_modulus": min(self.bulk_modulus, ratio * self.shear_modulus)})
 
     def stored_energy(self, gradient: ngsolve.CoefficientFunction) -> ngsolve.CoefficientFunction:
         """Return W [stress] of a deformation gradient, shape (3, 3), or (2, 2) for plane strain."""
@@ -68,7 +79,7 @@ class MooneyRivlinLaw:
     def energy_parts(
         self, gradient: ngsolve.CoefficientFunction
     ) -> tuple[ngsolve.CoefficientFunction, ngsolve.CoefficientFunction]:
-        """Return the parts of W [stress] that do not know the volume, and that know nothing else."""
+        """Return the isochoric and the volumetric part of W [stress]."""
         first, second, jacobian = _plane_strain(gradient) if gradient.shape == (2, 2) else _invariants(gradient)
         log_jacobian = ngsolve.log(jacobian)
         scale = ngsolve.exp(-2 / 3 * log_jacobian)

@@ -1,0 +1,41 @@
+"""Contact by a mortar method: its section in a case, and its continuation stages."""
+
+from __future__ import annotations
+
+from typing import ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel
+
+from ngcell.contact.methods.mortar import MortarContact
+from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
+from ngcell.contact.methods.protocol import ContactMethod
+from ngcell.contact.methods.stages import DEFAULT_OPTIONS, ContactOptions
+from ngcell.contact.surface.surface import Surface
+from ngcell.scene.section import SECTION
+
+Array = NDArray[np.float64]
+
+
+class Mortar(BaseModel):
+    """Frictionless unilateral contact by a mortar method: the contact pressure is an unknown, walls do not overlap."""
+
+    model_config = SECTION
+
+    kind: Literal["mortar"] = "mortar"
+    goes_with_cohesion: ClassVar[bool] = False
+
+    def stages(
+        self, walls: Surface, modulus_of_body: Array, *, reach: float, options: ContactOptions = DEFAULT_OPTIONS
+    ) -> tuple[ContactMethod, ...]:
+        """Return two penalties, then the mortar method; see `ngcell.contact.methods.stages`."""
+        path, handover, own = (
+            penalty_stiffness(walls, modulus_of_body, multiple)
+            for multiple in (options.path_multiple, options.handover_multiple, options.mortar_multiple)
+        )
+        return (
+            PenaltyContact(walls, path, reach),
+            PenaltyContact(walls, handover, reach, may_stiffen=False),
+            MortarContact(walls, own, reach),
+        )

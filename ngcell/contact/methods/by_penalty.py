@@ -1,0 +1,42 @@
+"""Contact by a penalty on the overlap: its section in a case, and its continuation stages."""
+
+from __future__ import annotations
+
+from typing import ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel
+
+from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
+from ngcell.contact.methods.protocol import ContactMethod
+from ngcell.contact.methods.stages import DEFAULT_OPTIONS, ContactOptions
+from ngcell.contact.surface.surface import Surface
+from ngcell.scene.section import SECTION, PositiveNumber
+
+Array = NDArray[np.float64]
+
+
+class Penalty(BaseModel):
+    """Frictionless unilateral contact by a penalty on the overlap.
+
+    Parameters
+    ----------
+    stiffness : float
+        Multiple of the penalty stiffness that is derived from material and mesh, > 0, without unit.
+    """
+
+    model_config = SECTION
+
+    kind: Literal["penalty"] = "penalty"
+    stiffness: PositiveNumber = 1.0
+    goes_with_cohesion: ClassVar[bool] = True
+
+    def stages(
+        self, walls: Surface, modulus_of_body: Array, *, reach: float, options: ContactOptions = DEFAULT_OPTIONS
+    ) -> tuple[ContactMethod, ...]:
+        """Return penalties from the softest to the one that is meant; see `ngcell.contact.methods.stages`."""
+        meant = options.penalty_multiple * self.stiffness
+        multiples = (*options.path_multiples(meant), meant)
+        stiffnesses = [penalty_stiffness(walls, modulus_of_body, multiple) for multiple in multiples]
+        return tuple(PenaltyContact(walls, stiffness, reach) for stiffness in stiffnesses)

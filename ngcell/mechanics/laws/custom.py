@@ -1,0 +1,146 @@
+"""A hyperelastic law of a script: the stored energy as an NGSolve expression of the deformation gradient.
+
+Its stress and its moduli at rest follow by NGSolve's symbolic differentiation, evaluated at all gradients at once:
+they are the values of a piecewise constant function on a unit interval, one cell a gradient.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache, cached_property
+
+import ngsolve
+import numpy as np
+from netgen.meshing import Element0D, Element1D, Mesh, MeshPoint, Pnt
+from numpy.typing import NDArray
+
+from ngcell.errors import CaseError
+from ngcell.mechanics.laws.law import FibreLaw, plane_strain_modulus
+
+Array = NDArray[np.float64]
+Expression = Callable[[ngsolve.CoefficientFunction], ngsolve.CoefficientFunction]
+
+#: Strain of the differences that moduli at rest are taken from.
+_STRAIN = 1e-5
+#: Stress at rest, as a share of the shear modulus, above which a law counts as stressed at rest.
+_AT_REST = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class CustomLaw:
+    """A hyperelastic law whose stored energy a script gives.
+
+    Parameters
+    ----------
+    energy : function
+        Returns W [stress] of the deformation gradient F, an NGSolve expression of shape (3, 3); in plane strain F has
+        the row and column (0, 0, 1) of a stretch that is held. W is zero and without stress at F = I, isotropic at
+        small strains, and written with what NGSolve has for expressions: ``ngsolve.Det(F)``, ``ngsolve.Trace(F.trans
+        * F)``, ``ngsolve.log``, ...
+    volumetric : function, optional
+        Returns a further part of W [stress] of the volume ratio ``J = det F``. What fills lumens integrates it with
+        fewer points, so that it does not lock. By default all of W is in `energy`.
+    fibres : FibreLaw, optional
+        Fibres, which add to the stored energy given here.
+
+    Notes
+    -----
+    The law is followed as it is from the start: there is no continuation in its bulk modulus, and beyond 10^4 times the
+    shear modulus Newton's method takes many iterations.
+
+    Examples
+    --------
+    >>> import ngsolve
+    >>> law = CustomLaw(lambda F: 0.5 * (ngsolve.Trace(F.trans * F) - 3) - ngsolve.log(ngsolve.Det(F)))
+    >>> round(law.shear_modulus, 6)
+    1.0
+    """
+
+    energy: Expression
+    volumetric: Expression | None = None
+    fibres: FibreLaw | None = None
+
+    def __post_init__(self) -> None:
+        if not callable(self.energy):
+            raise CaseError(f"energy of a law is {self.energy!r}; allowed: a function of the deformation gradient")
+        at_rest = self._first_piola(np.eye(3)[None])[0]
+        if not (np.isfinite(at_rest).all() and self.shear_modulus > 0 and self.bulk_modulus > 0):
+            raise CaseError(
+                f"energy of a law: shear modulus {self.shear_modulus:g} and bulk modulus {self.bulk_modulus:g} at rest; "
+                "allowed: finite numbers > 0"
+            )
+        if np.abs(at_rest).max() > _AT_REST * self.shear_modulus:
+            raise CaseError(
+                f"energy of a law: a stress of {np.abs(at_rest).max():g} at rest; allowed: none where F is the identity"
+            )
+
+    @cached_property
+    def shear_modulus(self) -> float:
+        """Shear modulus at rest [stress], the mean over the three planes of the axes."""
+        shears = np.zeros((3, 3, 3))
+        rows, columns = [0, 1, 2], [1, 2, 0]
+        shears[[0, 1, 2], rows, columns] = _STRAIN
+        change = self._first_piola(np.eye(3) + shears) - self._first_piola(np.eye(3) - shears)
+        return float(change[[0, 1, 2], rows, columns].mean() / (2 * _STRAIN))
+
+    @cached_property
+    def bulk_modulus(self) -> float:
+        """Bulk modulus at rest [stress]."""
+        wider, narrower = self._first_piola(np.array([1 + _STRAIN, 1 - _STRAIN])[:, None, None] * np.eye(3))
+        return float(np.trace(wider - narrower) / (18 * _STRAIN))
+
+    @property
+    def plane_strain_modulus(self) -> float:
+        """Modulus E / (1 - nu^2) of a plane-strain half-space at rest [stress]."""
+        return plane_strain_modulus(self.shear_modulus, self.bulk_modulus)
+
+    def softened(self, ratio: float) -> CustomLaw:
+        """Return the law itself: which part of it is to be softened is not known."""
+        return self
+
+    def stored_energy(self, gradient: ngsolve.CoefficientFunction) -> ngsolve.CoefficientFunction:
+        """Return W [stress] of a deformation gradient, shape (3, 3), or (2, 2) for plane strain."""
+        whole, volumetric = self.energy_parts(gradient)
+        return whole + volumetric
+
+    def energy_parts(
+        self, gradient: ngsolve.CoefficientFunction
+    ) -> tuple[ngsolve.CoefficientFunction, ngsolve.CoefficientFunction]:
+        """Return the two parts of W [stress], as the script gave them."""
+        whole = _in_three_dimensions(gradient) if tuple(gradient.dims) == (2, 2) else gradient
+        volumetric = ngsolve.CF(0.0) if self.volumetric is None else self.volumetric(ngsolve.Det(whole))
+        return self.energy(whole), volumetric
+
+    def cauchy_stress(self, gradient: Array) -> Array:
+        """Return the Cauchy stress [stress], shape (n, 3, 3): ``dW/dF F^T / J`` of each deformation gradient."""
+        stress = self._first_piola(gradient) @ gradient.transpose(0, 2, 1)
+        return np.asarray(stress / np.linalg.det(gradient)[:, None, None])
+
+    def _first_piola(self, gradient: Array) -> Array:
+        """Return dW/dF [stress], shape (n, 3, 3), of deformation gradients of that shape."""
+        count = len(gradient)
+        entries = [
+            ngsolve.VoxelCoefficient((0.0,), (1.0,), column.copy(), False) for column in gradient.reshape(-1, 9).T
+        ]
+        variable = ngsolve.CF(tuple(entries), dims=(3, 3)).MakeVariable()
+        stress = self.stored_energy(variable).Diff(variable)
+        values = stress(_interval()((np.arange(count) + 0.5) / count))
+        return np.asarray(values, dtype=float).reshape(count, 3, 3)
+
+
+def _in_three_dimensions(gradient: ngsolve.CoefficientFunction) -> ngsolve.CoefficientFunction:
+    """Return a planar deformation gradient with the stretch 1 out of the plane."""
+    xx, xy, yx, yy = (gradient[row, column] for row in range(2) for column in range(2))
+    return ngsolve.CF((xx, xy, 0, yx, yy, 0, 0, 0, 1), dims=(3, 3))
+
+
+@cache
+def _interval() -> ngsolve.Mesh:
+    """Return the unit interval as a mesh of one element."""
+    mesh = Mesh(dim=1)
+    ends = [mesh.Add(MeshPoint(Pnt(x, 0, 0))) for x in (0.0, 1.0)]
+    mesh.Add(Element1D(ends, index=1))
+    for number, end in enumerate(ends, start=1):
+        mesh.Add(Element0D(end, index=number))
+    return ngsolve.Mesh(mesh)

@@ -1,0 +1,229 @@
+"""The registry of kinds: for each group of a case's parts, which kinds there are and where each is realised.
+
+A kind is one class: a frozen pydantic section whose key `kind` names it, and whose methods do what it says. A further
+kind of the package is one file in the room that realises it and one line in `_SHIPPED`. A user's script adds a kind of
+its own by `register`, or hands over an object that offers the methods that its group asks for.
+
+Nothing is imported before a case needs it: the lines name modules and classes by text.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from importlib import import_module
+from typing import Any, TypeVar
+
+from pydantic import BaseModel
+
+from ngcell.errors import CaseError
+
+Section = TypeVar("Section", bound=type[BaseModel])
+
+
+@dataclass(frozen=True)
+class Group:
+    """The kinds of one part of a case.
+
+    Attributes
+    ----------
+    kinds : dict of str to str
+        Where each kind of the package is, as ``module:Class``.
+    default : str, optional
+        Kind of a table that names none; by default a table has to name one.
+    protocol : str, optional
+        What an object of a user has to offer, as ``module:Protocol``; by default it has to be of a registered class.
+    own : dict of str to type
+        Kinds that a script registered.
+    """
+
+    kinds: Mapping[str, str]
+    default: str | None = None
+    protocol: str | None = None
+    own: dict[str, type[BaseModel]] = field(default_factory=dict)
+
+    @property
+    def names(self) -> list[str]:
+        """All kinds, those of the package first."""
+        return list(dict.fromkeys([*self.kinds, *self.own]))
+
+    def section(self, kind: str) -> type[BaseModel]:
+        """Return the class of a kind, imported now if nobody needed it before."""
+        section: type[BaseModel] = self.own.get(kind) or _loaded(self.kinds[kind])
+        return section
+
+    def holds(self, value: object) -> bool:
+        """Return whether an object is of a registered class, or offers what the group asks for."""
+        kind = getattr(value, "kind", None)
+        if isinstance(value, BaseModel) and kind in self.names and isinstance(value, self.section(str(kind))):
+            return True
+        return self.protocol is not None and isinstance(value, _loaded(self.protocol))
+
+    @property
+    def allowed(self) -> str:
+        """What an object may be, in words."""
+        words = "a " + " or a ".join(self.section(kind).__name__ for kind in self.names)
+        if self.protocol is None:
+            return words
+        offered = sorted(name for name in _members(_loaded(self.protocol)) if not name.startswith("_"))
+        return f"{words}, or an object that offers {', '.join(offered)}"
+
+
+_SHIPPED = {
+    "tissue": Group(
+        {"honeycomb": "ngcell.geometry.tissues.honeycomb:Tissue"},
+        default="honeycomb",
+        protocol="ngcell.geometry.tissues.protocol:TissueGeometry",
+    ),
+    "body": Group(
+        {
+            "ring": "ngcell.geometry.user_bodies.ring:Ring",
+            "disc": "ngcell.geometry.user_bodies.disc:Disc",
+            "block": "ngcell.geometry.user_bodies.block:Block",
+        },
+    ),
+    "material": Group(
+        {"mooney-rivlin": "ngcell.mechanics.laws.mooney_rivlin:MooneyRivlin"},
+        protocol="ngcell.mechanics.laws.law:HyperelasticLaw",
+    ),
+    "fibres": Group(
+        {
+            "exponential": "ngcell.mechanics.laws.fibres:ExponentialFibres",
+            "quadratic": "ngcell.mechanics.laws.fibres:QuadraticFibres",
+        },
+        protocol="ngcell.mechanics.laws.law:FibreLaw",
+    ),
+    "lumen": Group(
+        {
+            "pressure": "ngcell.scene.lumen:CellPressure",
+            "inclusion": "ngcell.scene.lumen:Inclusion",
+            "fluid": "ngcell.scene.lumen:Fluid",
+        },
+    ),
+    "load": Group(
+        {
+            "plates": "ngcell.scene.load:Plates",
+            "frame": "ngcell.scene.load:Frame",
+            "ends": "ngcell.scene.load:Ends",
+        },
+    ),
+    "body-load": Group(
+        {
+            "pressure": "ngcell.scene.case_of_bodies:PressureEntry",
+            "traction": "ngcell.scene.case_of_bodies:TractionEntry",
+        },
+    ),
+    "strategy": Group(
+        {"sddp": "ngcell.scene.strategy:Sddp", "single-step": "ngcell.scene.strategy:SingleStep"},
+        default="sddp",
+    ),
+    "contact": Group(
+        {
+            "penalty": "ngcell.contact.methods.by_penalty:Penalty",
+            "mortar": "ngcell.contact.methods.by_mortar:Mortar",
+        },
+        default="penalty",
+        protocol="ngcell.contact.methods.stages:ContactChoice",
+    ),
+    "cohesion": Group(
+        {"exponential": "ngcell.contact.cohesion.exponential:Cohesion"},
+        default="exponential",
+        protocol="ngcell.contact.cohesion.law:CohesiveLaw",
+    ),
+}
+
+
+def group(name: str) -> Group:
+    """Return a group of kinds.
+
+    Raises
+    ------
+    CaseError
+        There is no such group.
+    """
+    if name not in _SHIPPED:
+        near = get_close_matches(name, _SHIPPED, n=1)
+        hint = f"; did you mean {near[0]}?" if near else ""
+        raise CaseError(f"{name!r} is no group of kinds{hint}; allowed: {', '.join(_SHIPPED)}")
+    return _SHIPPED[name]
+
+
+def register(name: str, section: Section) -> Section:
+    """Add a kind to a group, for case files and for Python alike; return its class.
+
+    Parameters
+    ----------
+    name : str
+        The group: "material", "cohesion", "contact", ...
+    section : type
+        A frozen pydantic model with a field ``kind: Literal["<kind>"] = "<kind>"`` and the methods that the group's
+        kinds have. A kind that was registered before is replaced.
+
+    Raises
+    ------
+    CaseError
+        There is no such group, the class has no kind, or the kind is one of the package.
+    """
+    known = group(name)
+    model_field = getattr(section, "model_fields", {}).get("kind")
+    kind = None if model_field is None else model_field.default
+    if not isinstance(kind, str):
+        allowed = 'a pydantic model with a field `kind: Literal["..."] = "..."`'
+        raise CaseError(f"{section!r} names no kind of {name}; allowed: {allowed}")
+    if kind in known.kinds:
+        raise CaseError(
+            f"{name} kind {kind!r} is one of the package; allowed: a name other than {', '.join(known.kinds)}"
+        )
+    known.own[kind] = section
+    return section
+
+
+def registered() -> tuple[type[BaseModel], ...]:
+    """Return the classes that scripts have registered so far."""
+    return tuple(section for known in _SHIPPED.values() for section in known.own.values())
+
+
+def default_of(name: str) -> Any:
+    """Return the part that a case has where it says nothing: the default kind of a group, with its own defaults."""
+    known = group(name)
+    return known.section(str(known.default))()
+
+
+def checked(name: str, value: object, place: str) -> Any:
+    """Return an object that can stand in a group's place.
+
+    Raises
+    ------
+    CaseError
+        It cannot; the message names `place`.
+    """
+    known = group(name)
+    if not known.holds(value):
+        raise CaseError(f"{place} is {value!r}; allowed: {known.allowed}")
+    return value
+
+
+def section_named(name: str) -> type[BaseModel] | None:
+    """Return the class of that name among the kinds of the package, None if there is none."""
+    for known in _SHIPPED.values():
+        for place in known.kinds.values():
+            if place.partition(":")[2] == name:
+                section: type[BaseModel] = _loaded(place)
+                return section
+    return None
+
+
+def section_names() -> list[str]:
+    """Return the names of the classes of all kinds of the package."""
+    return sorted(place.partition(":")[2] for known in _SHIPPED.values() for place in known.kinds.values())
+
+
+def _loaded(place: str) -> Any:
+    module, _, name = place.partition(":")
+    return getattr(import_module(module), name)
+
+
+def _members(protocol: type) -> set[str]:
+    own = {name for cls in protocol.__mro__ if getattr(cls, "_is_protocol", False) for name in vars(cls)}
+    return own | set(getattr(protocol, "__annotations__", {}))
