@@ -1,17 +1,18 @@
 """A double-cantilever strip, bonded along most of its length, is peeled apart at one end.
 
-    python -m tools.references peel [--size 0.1] [--steps 60]
+    python -m tools.references peel [--size 0.1] [--steps 60] [--out FILE]
 
-By beam theory two arms of height h whose ends are pulled apart by 2 d with a force P have a crack whose length a follows
-from ``d = P a^3 / (3 E I)``, and release the energy ``G = P^2 a^2 / (E I)`` for each unit of crack, with
+By beam theory two arms of height h whose ends are pulled apart by 2 d with a force P have a crack whose length a is that
+of ``d = P a^3 / (3 E I)``, and release the energy ``G = P^2 a^2 / (E I)`` for each unit of crack, with
 ``I = h^3 / 12`` and the modulus E of plane strain. The length that follows from force and opening includes what the
-arms give way in front of the crack. Bonds break at G = separation energy, so the peel has to go on at that G, whatever a
-is. Rows go to `tools/results/peel.csv`.
+arms give way in front of the crack. Bonds break at G = separation energy, so the peel has to go on at that G, whatever
+a is. Rows go to `tools/results/peel.csv`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import click
 import numpy as np
@@ -119,7 +120,8 @@ def peeled(scene: BodyScene) -> Iterator[dict[str, float]]:
 @click.option("--size", default=0.1, show_default=True)
 @click.option("--order", default=3, show_default=True)
 @click.option("--steps", default=40, show_default=True)
-def command(**numbers: float) -> None:
+@click.option("--out", type=click.Path(path_type=Path), default=TABLE, show_default="tools/results/peel.csv")
+def command(out: Path, **numbers: float) -> None:
     """Peel, write the table and show it."""
     rows = []
     for row in peeled(strip(**numbers)):
@@ -128,4 +130,4 @@ def command(**numbers: float) -> None:
             f"opening {row['opening']:.4f}  force {row['force']:.4e}  crack {row['crack_of_compliance']:.3f}, "
             f"bonds broken up to {row['crack_of_broken_bonds']:.3f}  G / toughness {row['release_over_toughness']:.4f}"
         )
-    tables.write(TABLE, list(rows[0]), [{name: f"{value:.6g}" for name, value in row.items()} for row in rows])
+    tables.write(out, list(rows[0]), [{name: f"{value:.6g}" for name, value in row.items()} for row in rows])

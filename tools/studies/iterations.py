@@ -52,7 +52,7 @@ def iterated(case: Any) -> dict[str, float]:
 
 def _seconds_of_solver(matrix: Any, unknowns: int) -> float:
     """Return the smallest of three times that a factorisation and a solve of the last matrix take."""
-    values, right, taken = matrix._values.copy(), np.ones(unknowns), []
+    values, right, taken = matrix._factor._values.copy(), np.ones(unknowns), []
     for _ in range(3):
         started = process_time()
         matrix.factorise(values)
