@@ -9,7 +9,7 @@ import pytest
 import ngcell
 from ngcell.errors import NotConverged
 from ngcell.scene.kinds import kind_of_case
-from tools.extreme_points import QUICK, points
+from tools.extreme.points import QUICK, points
 
 POINTS = {point.label: point for point in points() if point.is_quick}
 SOLVABLE = [label for label, point in POINTS.items() if point.has_solution]

@@ -15,7 +15,7 @@ from ngcell.scene import MooneyRivlin
 from ngcell.scene.bodies import Body, BodyScene, BodySupport, Pressure, Traction
 from tests.physics.rig import Equilibrium, Rig, ring, rubber
 from tests.physics.test_thick_cylinder import INNER, OUTER, incompressible_pressure, quarter
-from tools.radial import RadialSolid, Ring, closing, inflated_radius, ring_with_free_rim
+from tools.references.radial import RadialSolid, Ring, closing, inflated_radius, ring_with_free_rim
 
 PRESSURE = incompressible_pressure(1.5)
 MIRRORS = [BodySupport("along-x", components=(False, True)), BodySupport("along-y", components=(True, False))]

@@ -10,7 +10,7 @@ import pytest
 
 from ngcell.build.simulation import Simulation
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
-from tools.manufactured import C1, C2, END, KAPPA, PROBLEMS, Exact, errors, first_piola, scene
+from tools.references.manufactured import C1, C2, END, KAPPA, PROBLEMS, Exact, errors, first_piola, scene
 
 
 def test_the_stress_is_the_derivative_of_the_stored_energy():

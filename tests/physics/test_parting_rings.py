@@ -9,7 +9,7 @@ import pytest
 
 from ngcell.scene.bodies import Body, BodyScene
 from tests.physics.rig import Equilibrium, Rig, ring, rubber, swelling, work_is_change_of_energy
-from tools.radial import RadialSolid, ring_with_free_rim
+from tools.references.radial import RadialSolid, ring_with_free_rim
 
 RIM = 1.5
 

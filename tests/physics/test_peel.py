@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tools.peel import peeled, strip
+from tools.references.peel import peeled, strip
 
 
 def test_a_strip_peels_at_the_energy_release_rate_of_beams():

@@ -7,7 +7,7 @@ from math import log, sqrt
 import pytest
 from scipy.optimize import brentq
 
-from tools.radial import (
+from tools.references.radial import (
     RadialSolid,
     Ring,
     closing,
@@ -34,7 +34,7 @@ def f(inner: float, outer: float) -> float:
 
 
 def incompressible_fit(bore: float, rim: float, modulus_ratio: float = 1.0) -> tuple[float, float]:
-    """K2: interface radius and pressure for an inner ring [0.5, 1.0], in its shear modulus."""
+    """Press-fit: interface radius and pressure for an inner ring [0.5, 1.0], in its shear modulus."""
 
     def drops(radius: float) -> tuple[float, float]:
         inner = f(sqrt(radius**2 - 1 + 0.5**2) / 0.5, radius)
@@ -46,7 +46,7 @@ def incompressible_fit(bore: float, rim: float, modulus_ratio: float = 1.0) -> t
 
 
 def incompressible_closing(pressure: float) -> tuple[float, float, float]:
-    """K4 above first touch: bore, interface radius and contact pressure for [0.5, 1.0] in [1.1, 1.6]."""
+    """Closing rings above first touch: bore, interface radius and contact pressure for [0.5, 1.0] in [1.1, 1.6]."""
 
     def outer_drop(radius: float) -> float:
         return f(radius / 1.1, sqrt(1.6**2 + radius**2 - 1.1**2) / 1.6)

@@ -8,7 +8,7 @@ from netgen import occ
 
 from ngcell.build.simulation import Simulation
 from ngcell.scene import Body, BodyScene, BodySupport, MooneyRivlin, Penalty, Pressure
-from tools.radial import RadialSolid, Ring, closing, first_touch
+from tools.references.radial import RadialSolid, Ring, closing, first_touch
 
 C1, C2, KAPPA = 0.8, 0.2, 20.0
 SOLID = RadialSolid(C1, C2, KAPPA, around=2)

@@ -12,7 +12,7 @@ from scipy.integrate import quad
 import ngcell
 from ngcell.build.simulation import Simulation
 from ngcell.scene import Body, BodyScene, BodySupport, MooneyRivlin, Pressure
-from tools.radial import RadialSolid, inflated_radius, ring_with_free_rim
+from tools.references.radial import RadialSolid, inflated_radius, ring_with_free_rim
 
 C1, C2, KAPPA = 0.8, 0.2, 1e4
 STIFF = MooneyRivlin(c1=C1, c2=C2, bulk_modulus=KAPPA)

@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 
 from ngcell.scene.bodies import Body, BodyScene, BodySupport
 from tests.physics.rig import Equilibrium, Rig, rubber
-from tools.radial import RadialSolid
+from tools.references.radial import RadialSolid
 
 KAPPA = 1000.0
 SOLID = RadialSolid(0.8, 0.2, KAPPA)

@@ -10,7 +10,7 @@ from netgen import occ
 from ngcell.scene import MooneyRivlin
 from ngcell.scene.bodies import Body, BodyScene, BodySupport
 from tests.physics.rig import Rig, ring, swelling
-from tools.radial import RadialSolid, inflated_radius, ring_with_free_rim
+from tools.references.radial import RadialSolid, inflated_radius, ring_with_free_rim
 
 INNER, OUTER, FINAL = 1.0, 2.0, 1.5
 

@@ -1,6 +1,6 @@
 """Shipped cases with expected numbers meet them, from the command to the summary, and a case that does not says so.
 
-The Hertz cases take longer: `python tools/expected.py` runs them all.
+The Hertz cases take longer: `python -m tools.references expected` runs them all.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tools import phases
+from tools.studies import phases
 
 SECONDS = {"on_the_clock": 70.0, "processor": 100.0, "processor_by_phase": {"a": 10.0, "b": 80.0, "c": 0.4}}
 

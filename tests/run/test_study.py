@@ -8,11 +8,19 @@ import json
 import pytest
 from click.testing import CliRunner
 
-from tools.study import __main__ as study
-from tools.study import peers, rings
-from tools.study.grid import Setting, grid
-from tools.study.report import against_own_finest, choices, rates, sentences, strategy_table, upper_end
-from tools.study.solve import solved
+from tools.studies.work_precision import rings, study
+from tools.studies.work_precision.calculix import deck_of
+from tools.studies.work_precision.grid import Setting, grid
+from tools.studies.work_precision.naive import naive
+from tools.studies.work_precision.report import (
+    against_own_finest,
+    choices,
+    rates,
+    sentences,
+    strategy_table,
+    upper_end,
+)
+from tools.studies.work_precision.solve import solved
 
 COARSE = Setting("rings", "press-fit", "mortar", 2, 0.25)
 
@@ -29,9 +37,9 @@ def test_a_run_is_held_to_the_radial_solution(found):
 
 
 def test_the_naive_script_solves_the_same_problem(found):
-    naive = peers.naive(Setting("naive", "press-fit", "naive", 2, 0.25))
-    assert naive["unknowns"] == found["unknowns"]
-    assert naive["error_gap"] == pytest.approx(found["error_gap"], rel=0.3)
+    other = naive(Setting("naive", "press-fit", "naive", 2, 0.25))
+    assert other["unknowns"] == found["unknowns"]
+    assert other["error_gap"] == pytest.approx(found["error_gap"], rel=0.3)
 
 
 def test_exact_values_are_those_of_the_references():
@@ -56,12 +64,12 @@ def test_a_study_goes_on_where_it_stopped_and_tells_versions_apart(tmp_path, mon
     monkeypatch.setattr(study, "row", row)
     monkeypatch.setattr(study, "RESULTS", tmp_path)
     arguments = ["--quick", "--only", "rings, press-fit, mortar"]
-    assert CliRunner().invoke(study.main, arguments).exit_code == 0
+    assert CliRunner().invoke(study.command, arguments).exit_code == 0
     assert len(asked) == 6
-    assert CliRunner().invoke(study.main, arguments).exit_code == 0
+    assert CliRunner().invoke(study.command, arguments).exit_code == 0
     assert len(asked) == 6
     monkeypatch.setattr(study, "sources", lambda: "another")
-    assert CliRunner().invoke(study.main, arguments).exit_code == 0
+    assert CliRunner().invoke(study.command, arguments).exit_code == 0
     assert len(asked) == 12
     assert len(list(csv.DictReader((tmp_path / "study.csv").open()))) == 12
 
@@ -106,7 +114,7 @@ def test_strategies_are_compared_scene_by_scene_failures_included():
 
 
 def test_the_deck_has_every_element_once_and_holds_the_planes_of_symmetry():
-    deck, places = peers._deck(Setting("calculix", "above", "calculix", 1, 0.25))
+    deck, places = deck_of(Setting("calculix", "above", "calculix", 1, 0.25))
     elements = deck.partition("*ELEMENT")[2].partition("*NSET")[0].splitlines()[1:]
     assert len(elements) == len({entry.partition(",")[0] for entry in elements})
     assert "INNER-X-ALL, 2, 2" in deck and "OUTER-Y-ALL, 1, 1" in deck

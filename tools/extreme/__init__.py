@@ -1,0 +1,7 @@
+"""What happens far outside comfort: a map of small scenes, each run in a process of its own, and what came of it."""
+
+from __future__ import annotations
+
+from tools.commands import Commands
+
+commands = Commands("tools.extreme", ("list", "map", "one"), __doc__)

@@ -1,0 +1,5 @@
+"""``python -m tools.extreme``."""
+
+from tools.extreme import commands
+
+commands()

@@ -1,0 +1,5 @@
+"""``python -m tools.references``."""
+
+from tools.references import commands
+
+commands()

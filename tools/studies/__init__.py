@@ -1,0 +1,15 @@
+"""What results depend on, and what they cost.
+
+Tables are kept in `tools/results`, pictures in `docs`; runs whose rows are there are not repeated.
+"""
+
+from __future__ import annotations
+
+from tools.commands import Commands
+
+commands = Commands(
+    "tools.studies",
+    ("agreement", "cohesion", "cohesion-curves", "constants", "cost", "figures", "phases", "scaling", "settings",
+     "work-precision"),
+    __doc__,
+)  # fmt: skip

@@ -1,0 +1,5 @@
+"""``python -m tools.studies``."""
+
+from tools.studies import commands
+
+commands()

@@ -1,0 +1,124 @@
+"""What results depend on: each of the solver's own numbers is halved and doubled, on four scenes.
+
+    python -m tools.studies constants [--only TEXT] [--scene empty]
+
+Each number is put in place of the package's, a 3x3 tissue is run again, and what changes is told relative to the run
+with all numbers as they are: energy and plate force, and the ratio of iterations. Tables are kept in
+`tools/results/constants.csv` and `.md`; a run of some numbers or scenes is shown and not kept.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from datetime import date
+
+import click
+
+import ngcell
+from ngcell.errors import NgcellError
+from tools import tables
+from tools.commands import described
+from tools.places import RESULTS
+from tools.studies.patching import changed, usual
+
+SCENES = {
+    "empty": ["load.levels=1"],
+    "pressurised": ["load.levels=1", 'lumen.kind="pressure"', "lumen.pressure=0.0025"],
+    "filled": ["load.levels=1", "load.displacement=[0.4, 0.0]", 'lumen.kind="inclusion"',
+               'lumen.material.kind="mooney-rivlin"', "lumen.material.c1=0.01", "lumen.material.c2=0.01",
+               "lumen.material.bulk_modulus=1.0"],
+    "mortar": ["load.levels=1", "load.displacement=[0.4, 0.0]", 'contact.kind="mortar"'],
+}  # fmt: skip
+#: The package's own numbers, and the values in place of them.
+CHANGES: dict[str, tuple[float, ...]] = {
+    "solve.continuation.FIRST": (1e2, 1e4),
+    "solve.continuation.LAST": (1e-8, 1e-10),
+    "solve.continuation.ENOUGH": (1e-6, 1e-8),
+    "solve.continuation.NARROWEST": (0.25, 1.0),
+    "solve.continuation.WIDEST": (0.5, 2.0),
+    "solve.continuation.LAST_DIGIT": (1e-7, 1e-5),
+    "solve.continuation.STIFFEN_AT": (1e-6, 1e-4),
+    "solve.continuation.ON_THE_WAY": (1e-3, 0.1),
+    "solve.continuation.AT_THE_END": (1e-12, 1e-8),
+    "solve.continuation.UPDATE": (0.05, 0.2),
+    "solve.continuation.CYCLING": (100, 400),
+    "solve.continuation.SLOW": (0.1, 0.5),
+    "solve.one_sided.MOST_ROUNDS": (4, 16),
+    "solve.one_sided.WORTHWHILE_GAIN": (0.01, 0.04),
+    "solve.one_sided.LOST": (1e4, 1e8),
+    "solve.minimise.POOR": (1e-5, 1e-3),
+    "solve.minimise.FAIR": (0.1, 0.5),
+    "solve.minimise.RAISE": (4.0, 16.0),
+    "solve.minimise.LOWER": (0.05, 0.2),
+    "solve.minimise.FELT": (0.05, 0.2),
+    "solve.minimise.UNFELT": (1e-5, 1e-3),
+    "solve.minimise.STALLED": (1e-13, 1e-11),
+    "solve.minimise.IDLE": (3, 10),
+    "contact.methods.stages.PATH_MULTIPLE": (0.5, 2.0),
+    "contact.methods.stages.STAGE_FACTOR": (5.0, 20.0),
+    "contact.methods.stages.HANDOVER_MULTIPLE": (2.0, 5.0),
+    "contact.methods.stages.MORTAR_MULTIPLE": (1.0, 10.0),
+    "contact.methods.penalty.BETWEEN": (1.5, 4.0),
+    "contact.methods.mortar.ALLOWED": (1.25e-4, 5e-4),
+    "contact.pairing.segments.FACING": (-0.9, -0.7),
+}
+
+
+def run(scene: str) -> dict[str, float]:
+    """Return energy, plate force and iterations of a scene; nothing if it found no equilibrium."""
+    try:
+        *_, step = ngcell.simulate(ngcell.read_case("shear-empty-3x3", SCENES[scene]))
+    except NgcellError:
+        return {}
+    record = step.record
+    return {
+        "energy": record.energy,
+        "force": record.plate_force_x,
+        "iterations": record.iterations,
+        "certified": float(record.certified),
+    }
+
+
+def row(number: str, value: float, as_it_is: dict[str, dict[str, float]]) -> dict[str, str | float]:
+    """Return what a number in place of the package's does to each scene."""
+    cells: dict[str, str | float] = {"number": number, "usual": f"{usual(number):g}", "here": f"{value:g}"}
+    for scene, base in as_it_is.items():
+        with changed(number, value):
+            found = run(scene)
+        for what in ("energy", "force"):
+            cells[f"{scene}: {what}"] = found[what] / base[what] - 1 if found else "failed"
+        cells[f"{scene}: iterations"] = found["iterations"] / base["iterations"] if found else "failed"
+        cells[f"{scene}: certified"] = "yes" if found and found["certified"] else "no"
+    return cells
+
+
+def table(rows: Sequence[dict[str, str | float]]) -> str:
+    """Return the rows as Markdown."""
+    return tables.markdown(list(rows[0]), [map(_shown, row.values()) for row in rows])
+
+
+def _shown(value: str | float) -> str:
+    return value if isinstance(value, str) else f"{value:.2g}"
+
+
+@described(__doc__)
+@click.option("--only", default="", help="Numbers whose name has this text.")
+@click.option("--scene", "scenes", multiple=True, type=click.Choice(list(SCENES)), help="These scenes only.")
+def command(only: str, scenes: tuple[str, ...]) -> None:
+    """Run all changes in all scenes."""
+    as_it_is = {scene: run(scene) for scene in scenes or SCENES}
+    rows = []
+    for number, values in CHANGES.items():
+        for value in values if only in number else ():
+            rows.append(row(number, value, as_it_is))
+            click.echo(" ".join(map(_shown, rows[-1].values())), err=True)
+    if only or scenes:
+        return
+    tables.write(RESULTS / "constants.csv", list(rows[0]), rows)
+    heads = "; ".join(f"{scene} {found['energy']:.6e}" for scene, found in as_it_is.items())
+    (RESULTS / "constants.md").write_text(
+        f"# What results depend on\n\n{date.today()}, {os.cpu_count()} cores. `python -m tools.studies constants` "
+        "makes this: 3x3 tissues, each number of the solver changed by itself.\nEnergies and plate forces are relative "
+        f"changes, iterations a ratio. Energies as it is: {heads}.\n\n{table(rows)}\n"
+    )

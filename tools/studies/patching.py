@@ -1,0 +1,105 @@
+"""The one place where studies change what the package does not hand down as a setting: its own numbers, and calls.
+
+A number is named by its module and name, such as ``solve.continuation.LAST``. When the package hands such a number down
+in a record, `changed` is where it is put into that record.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import partial
+from importlib import import_module
+from time import process_time
+from typing import Any
+
+from ngcell.build import simulation
+from ngcell.contact.methods.penalty import PenaltyContact, PenaltySet
+from ngcell.export import ResultFolder
+
+#: Fields of `Continuation` that take their defaults from these names when the class is made.
+_FIELDS = {"LAST": "last", "NARROWEST": "narrowest"}
+
+
+def usual(number: str) -> float:
+    """Return one of the package's own numbers."""
+    module, name = _module_and_name(number)
+    return float(getattr(module, name))
+
+
+@contextmanager
+def changed(number: str, value: float) -> Iterator[None]:
+    """Put a value in place of one of the package's own numbers."""
+    module, name = _module_and_name(number)
+    places = [place for place in (module, simulation) if hasattr(place, name)]
+    before, path = getattr(module, name), simulation.Continuation
+    for place in places:
+        setattr(place, name, value)
+    if name in _FIELDS:
+        simulation.Continuation = partial(path, **{_FIELDS[name]: value})
+    try:
+        yield
+    finally:
+        simulation.Continuation = path
+        for place in places:
+            setattr(place, name, before)
+
+
+@contextmanager
+def changed_tolerance(multiple: float) -> Iterator[None]:
+    """Multiply the decrement at which equilibria end."""
+    number = "solve.continuation.AT_THE_END"
+    with changed(number, usual(number) * multiple):
+        yield
+
+
+@contextmanager
+def without_pictures() -> Iterator[None]:
+    """Leave out the pictures of result folders, which take longer than many small runs."""
+    draw = ResultFolder.draw
+    ResultFolder.draw = lambda *_, **__: None
+    try:
+        yield
+    finally:
+        ResultFolder.draw = draw
+
+
+@contextmanager
+def seconds_of_contact() -> Iterator[dict[str, float]]:
+    """Add up the processor seconds that contact takes: search, gaps and penalty terms."""
+    spent = {"contact": 0.0}
+    contact = [(PenaltyContact, name) for name in ("__init__", "pair", "couplings") if hasattr(PenaltyContact, name)]
+    calls = contact + [(PenaltySet, name) for name in _methods(PenaltySet)]
+    before = [getattr(owner, name) for owner, name in calls]
+    for (owner, name), call in zip(calls, before, strict=True):
+        setattr(owner, name, _timed(call, spent))
+    try:
+        yield spent
+    finally:
+        for (owner, name), call in zip(calls, before, strict=True):
+            setattr(owner, name, call)
+
+
+def _module_and_name(number: str) -> tuple[Any, str]:
+    module, _, name = number.rpartition(".")
+    return import_module(f"ngcell.{module}"), name
+
+
+def _methods(owner: type) -> Sequence[str]:
+    return [name for name, value in vars(owner).items() if callable(value) and not name.startswith("__")]
+
+
+def _timed(call: Callable[..., Any], spent: dict[str, float]) -> Callable[..., Any]:
+    """Return a function whose seconds are added up, once where such functions call each other."""
+
+    def timed(*arguments: Any, **options: Any) -> Any:
+        if spent.get("inside"):
+            return call(*arguments, **options)
+        started, spent["inside"] = process_time(), 1.0
+        try:
+            return call(*arguments, **options)
+        finally:
+            spent["inside"] = 0.0
+            spent["contact"] += process_time() - started
+
+    return timed
