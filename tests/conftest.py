@@ -6,7 +6,7 @@ import os
 
 import pytest
 
-# Small problems on one thread: waiting threads would take ten times the processor time, and two workers share two cores.
+# Small problems on one thread: waiting threads would take ten times the processor time, and workers share the cores.
 # Set before any library reads it; processes that tests start inherit it.
 for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[_variable] = "1"

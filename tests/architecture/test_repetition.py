@@ -2,8 +2,8 @@
 
 A line is repeated if it lies in a run of consecutive lines that stands elsewhere too, in the same file or another, and
 the run is at least `RUN` lines long (three in cases, whose sections are short). Lines are compared without indentation,
-comments and doubled blanks; blank lines, lines of brackets only, and imports do not count. All copies but the first
-count as repeated, so that the share is what could be removed.
+comments and doubled blanks; blank lines, lines of brackets only, headings of docstring sections, and imports do not
+count. All copies but the first count as repeated, so that the share is what could be removed.
 """
 
 from __future__ import annotations
@@ -19,7 +19,9 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 RUN = {".py": 6, ".toml": 3}
-TRIVIAL = re.compile(r"[\s()\[\]{},:]*")
+TRIVIAL = re.compile(
+    r"[\s()\[\]{},:]*|-+|Parameters|Attributes|Returns|Yields|Raises|Notes|References|Examples|\"{3}"
+)
 
 #: What is measured together, and the largest share of its lines that may be repeated.
 LIMITS = {"ngcell": (["ngcell"], 0.005), "tests and tools": (["tests", "tools"], 0.01), "cases": (["cases"], 0.03)}

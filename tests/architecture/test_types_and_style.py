@@ -11,11 +11,15 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 
 
-@pytest.mark.parametrize(
-    "tool", [("mypy", "--no-error-summary", "ngcell"), ("ruff", "check", "--output-format=concise", "--quiet", ".")], ids=lambda tool: tool[0]
-)
-def test_there_is_no_finding(tool: tuple[str, ...]) -> None:
-    run = subprocess.run([sys.executable, "-m", *tool], cwd=ROOT, capture_output=True, text=True)
+COMMANDS = {
+    "mypy": ("mypy", "--no-error-summary"),
+    "ruff": ("ruff", "check", "--output-format=concise", "--quiet", "."),
+}
+
+
+@pytest.mark.parametrize("command", COMMANDS.values(), ids=COMMANDS)
+def test_there_is_no_finding(command: tuple[str, ...]) -> None:
+    run = subprocess.run([sys.executable, "-m", *command], cwd=ROOT, capture_output=True, text=True)
     findings = [line for line in (run.stdout + run.stderr).splitlines() if ": note: " not in line]
     shown = "\n".join(findings[:20])
-    assert run.returncode == 0 and not findings, f"{len(findings)} findings of {tool[0]}:\n{shown}"
+    assert run.returncode == 0 and not findings, f"{len(findings)} findings of {command[0]}:\n{shown}"
