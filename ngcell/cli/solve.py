@@ -7,7 +7,7 @@ import gc
 import logging
 import sys
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import click
 
@@ -65,7 +65,7 @@ def solve(
         with silent_progress() if quiet else step_progress() as show:
             # After the live line has taken over stderr: a log handler made before would write across it.
             _log_to_stderr(logging.INFO if verbose else logging.WARNING)
-            options = {"threads": threads, "verify_penalty": verify_penalty}
+            options: dict[str, Any] = {"threads": threads, "verify_penalty": verify_penalty}
             recording = run.resume(folder, **options) if resume else run.record(scene, folder, **options)
             for record in recording:
                 accepted = record.step + 1

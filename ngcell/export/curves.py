@@ -111,7 +111,7 @@ def _scale(gaps: Axes, parted: Axes, load: NDArray[Any]) -> None:
     for axes in (gaps, parted):
         axes.margins(y=0.08)
     parted.yaxis.set_major_locator(MaxNLocator(nbins=5, integer=True))
-    top = max(1.0, 1.12 * max(line.get_ydata().max(initial=0.0) for line in parted.lines))
+    top = max(1.0, 1.12 * max(np.asarray(line.get_ydata()).max(initial=0.0) for line in parted.lines))
     parted.set_ylim(-0.1 * top, top)
 
 

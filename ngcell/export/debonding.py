@@ -109,7 +109,7 @@ def _draw_plan(figure: Figure, axes: Axes, pairs: Sequence[PairOnset], cells: Gr
     colour = np.where(opened[:, None], shown.to_rgba(onset), to_rgba(_CLOSED))
     axes.add_collection(LineCollection(lines[level], colors=colour[level], linewidths=3.5))
     dots = np.where(layer[first] < layer[second], first, second)[~level]
-    axes.scatter(*place[dots].T, s=90, color=colour[~level])
+    axes.scatter(place[dots, 0], place[dots, 1], s=90, color=colour[~level])
     drawn = np.concatenate([lines[level].reshape(-1, 2), place[dots]])
     axes.set(xlim=_limits(drawn[:, 0]), ylim=_limits(drawn[:, 1]), aspect="equal")
     axes.set_axis_off()

@@ -32,7 +32,7 @@ from ngcell.results.report import StepReport
 from ngcell.results.snapshot import Snapshot
 
 _PROGRAM = "ngcell"
-_TABLES = {"history.csv": StepRecord, "walls.csv": WallRecord, "cells.csv": CellRecord}
+_TABLES: dict[str, type[Any]] = {"history.csv": StepRecord, "walls.csv": WallRecord, "cells.csv": CellRecord}
 _DRAFT = re.compile(r"\..+\.tmp")
 _OWNED = re.compile(
     r"case\.toml|(history|walls|cells)\.csv|restart\.npz|tissue\.pvd|(tissue|walls)_\d{4,}\.vtu|"

@@ -66,8 +66,9 @@ def write_restart(folder: Path, restart: Restart) -> None:
         "snapshots": restart.snapshots,
     }
     content = io.BytesIO()
-    arrays = {f"{_CHECKPOINT}{name}": values for name, values in restart.checkpoint.items()}
-    np.savez(content, **{_NOTES: np.frombuffer(json.dumps(notes).encode(), dtype=np.uint8)}, **arrays)
+    arrays: dict[str, Any] = {f"{_CHECKPOINT}{name}": values for name, values in restart.checkpoint.items()}
+    arrays[_NOTES] = np.frombuffer(json.dumps(notes).encode(), dtype=np.uint8)
+    np.savez(content, **arrays)
     replace_file(Path(folder) / RESTART, content.getvalue())
 
 

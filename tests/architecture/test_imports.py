@@ -18,7 +18,8 @@ IDS = [str(module.relative_to(PACKAGE)) for module in MODULES]
 
 #: Rooms in their order: each may import those named before it, besides itself.
 ORDER = (
-    "errors", "clock", "scene", "geometry", "mechanics", "contact", "problem", "results", "build", "export", "run", "cli",
+    "errors", "clock", "scene", "geometry", "mechanics", "contact", "problem", "results", "build", "export", "run",
+    "cli",
 )  # fmt: skip
 
 #: Rooms that may import less: what they do not name they cannot come to depend on.
