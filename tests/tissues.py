@@ -113,7 +113,7 @@ def small_tissue(
     pointy: bool = True,
     supports: dict[str, NDArray[np.bool_]] | None = None,
 ) -> SmallTissue:
-    """Cells between plates: the regions ``low``, held, and ``high``, moved by `prescribed displacement`; or other supports."""
+    """Cells between plates, the regions ``low``, held, and ``high``, moved; or other supports."""
     lattice = hexagonal_lattice(rows, cols, side=1.0, pointy=pointy)
     if supports is None:
         supports = {"low": lattice.hull_walls(0, -1), "high": lattice.hull_walls(rows - 1, 1)}

@@ -37,7 +37,7 @@ class Pulled:
 
 
 def blocks_case(prescribed_displacement: float, steps: int, cohesion: Cohesion | None) -> BodyCase:
-    """Two halves of blocks of height 0.5 along their plane of symmetry; the upper one is moved up by `prescribed displacement`."""
+    """Two halves of blocks of height 0.5 along their plane of symmetry; the upper one is moved up."""
 
     def block(name: str, bottom: float, wall: str) -> Block:
         low, high = (0.0, bottom), (WIDTH, bottom + 0.5)

@@ -3,25 +3,33 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import pytest
 
 import ngcell
 from ngcell.errors import NotConverged
+from ngcell.run import Step
 from ngcell.scene.kinds import kind_of_case
 from tools.extreme.points import QUICK, points
 
 POINTS = {point.label: point for point in points() if point.is_quick}
 SOLVABLE = [label for label, point in POINTS.items() if point.has_solution]
 
+#: Changes by which a point ends the same way in a quarter of the time: far more pressure, which is given up sooner.
+SOONER = {"cell pressure: a pair of cells 2": {"lumen": {"kind": "pressure", "pressure": 5.0}}}
 
-def steps_of(label: str) -> list:
-    table = POINTS[label].case
+
+@lru_cache(maxsize=8)  # those that are compared are neighbours
+def steps_of(label: str) -> list[Step]:
+    table = POINTS[label].case | SOONER.get(label, {})
     return ngcell.simulate(kind_of_case(table).model_validate(table))
 
 
-#: Energies found, in units of stress and length**2 of the plain scene.
-ENERGY: dict[str, float] = {}
+def energy_of(label: str) -> float:
+    """Energy at the last level, in units of stress and length**2 of the plain scene."""
+    length, stress = POINTS[label].units
+    return steps_of(label)[-1].record.energy / (stress * length**2)
 
 
 @pytest.mark.parametrize("label", SOLVABLE)
@@ -30,10 +38,9 @@ def test_it_is_certified_and_right(label):
     assert all(step.record.certified for step in steps), [step.measurement.certificate.failures for step in steps]
     assert [finding.quantity for step in steps for finding in step.findings if not finding.passed] == []
     assert all(math.isfinite(step.record.energy) for step in steps)
-    point, (length, stress) = POINTS[label], POINTS[label].units
-    ENERGY[label] = steps[-1].record.energy / (stress * length**2)
+    point = POINTS[label]
     if point.same_as:
-        assert ENERGY[label] == pytest.approx(ENERGY[f"{point.group}: {point.same_as}"], rel=1e-8)
+        assert energy_of(label) == pytest.approx(energy_of(f"{point.group}: {point.same_as}"), rel=1e-8)
 
 
 @pytest.mark.parametrize("label", [label for label in POINTS if label not in SOLVABLE])

@@ -1,4 +1,4 @@
-"""The mortar method in three dimensions: no mesh shows in a uniform pressure, and prisms held along z are planar cells."""
+"""The mortar method in three dimensions: a uniform pressure shows no mesh, prisms held along z are planar cells."""
 
 from __future__ import annotations
 

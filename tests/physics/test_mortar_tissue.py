@@ -67,7 +67,7 @@ def test_the_stiffness_of_the_penalty_terms_leaves_no_trace(multiple, monkeypatc
 @pytest.mark.parametrize("contact", ["mortar", "penalty"])
 @pytest.mark.parametrize("cut", [1, 2])
 def test_k6_the_plates_pull_as_hard_as_walls_press_across_a_cut(contact, cut):
-    """The cut runs between two rows, through contact only; the little that the last proximal term holds is counted apart."""
+    """The cut runs between two rows, through contact only; what the last proximal term holds counts apart."""
     simulation = Simulation(case(contact=contact))
     *_, accepted = simulation._accepted(Checkpoint())
     assembly, state, proximal = simulation.released, accepted.minimum.state, accepted.minimum.proximal

@@ -55,8 +55,8 @@ def test_a_cell_between_pressed_ends_is_in_balance_at_the_stretch_of_the_closed_
 
 
 def test_pressed_ends_and_moved_plates_obey_the_theorem_of_betti():
-    """Small loads do no net work on each other: the force that pressed ends put on the plates times the translation of a
-    plate is what the pressure does on the ends as that plate moves."""
+    """Small loads: the force that pressed ends put on a plate, times how far the plate moves, is the work that the
+    pressure does on the ends as the plate moves."""
     small = 1e-6
     pressed = last_step(case(0.5, tissue=ONE, mesh=MESH, load=STILL | {"ends": "pressed", "end_pressure": small}))
     scene = case(0.5, tissue=ONE, mesh=MESH, load=STILL | {"displacement": (0.0, small)})

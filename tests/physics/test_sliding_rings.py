@@ -14,12 +14,12 @@ LEVELS = (0.15, 0.3, 0.5, 0.7, 0.85)
 
 @pytest.fixture(scope="module")
 def passage() -> list[Equilibrium]:
-    """Both bores are held; one is held from one side of the other, along it, to its other side."""
-    lifting = ring(0.3, 0.5, (-0.43, 0.9)).faces[0]
-    lifting.maxh = 0.08
+    """Both bores are held; one ring is moved past the other, along it, from one side to the other."""
+    moved = ring(0.3, 0.5, (-0.43, 0.9)).faces[0]
+    moved.maxh = 0.08
     scene = BodyScene(
-        [Body(ring(0.3, 0.5), rubber(100.0), "still"), Body(lifting, rubber(100.0), "held")],
-        [BodySupport("still_hole0"), BodySupport("carried_hole0", translation=(0.86, 0.0))],
+        [Body(ring(0.3, 0.5), rubber(100.0), "still"), Body(moved, rubber(100.0), "moved")],
+        [BodySupport("still_hole0"), BodySupport("moved_hole0", translation=(0.86, 0.0))],
         size=0.1,
         levels=LEVELS,
     )
@@ -29,11 +29,11 @@ def passage() -> list[Equilibrium]:
 def test_reactions_balance_the_contact_forces(passage):
     assert tuple(state.load_factor for state in passage) == LEVELS
     for state in passage:
-        on_still, on_lifting = state.contact_forces.on_body
+        on_still, on_moved = state.contact_forces.on_body
         size = np.linalg.norm(on_still)
-        assert np.linalg.norm(on_still + on_lifting) < 1e-12 * size
+        assert np.linalg.norm(on_still + on_moved) < 1e-12 * size
         assert np.linalg.norm(state.force("still_hole0") + on_still) < 1e-6 * size
-        assert np.linalg.norm(state.force("carried_hole0") + on_lifting) < 1e-6 * size
+        assert np.linalg.norm(state.force("moved_hole0") + on_moved) < 1e-6 * size
 
 
 def test_walls_overlap_by_no_more_than_the_penalty_lets_them(passage):
@@ -61,10 +61,10 @@ def test_without_friction_the_way_out_mirrors_the_way_in(passage):
 def test_energy_does_not_jump_where_points_slide_from_edge_to_edge(passage):
     """Rigid sliding in small steps: with half the step, the largest change is about half as large."""
     rig = passage[0].rig
-    lifting = rig.space.one * (rig.space.body_of_unknown == 1)
+    second = rig.space.one * (rig.space.body_of_unknown == 1)
 
     def energy(along: float) -> float:
-        moved = np.array([0.4 + along, 0.08])[:, None] * lifting
+        moved = np.array([0.4 + along, 0.08])[:, None] * second
         return rig.assembly.at(moved.ravel()).energy
 
     energies = np.array([energy(along) for along in np.linspace(0.0, 0.1, 401)])

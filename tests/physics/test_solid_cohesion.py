@@ -1,4 +1,4 @@
-"""Cohesion in three dimensions: solids separate as the law says, and prisms held along their axis are the planar cells."""
+"""Cohesion in three dimensions: solids separate as the law says, and prisms held along their axis are planar cells."""
 
 from __future__ import annotations
 

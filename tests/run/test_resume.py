@@ -110,10 +110,10 @@ class Run:
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Run]:
-    return {kind: watched_run(kind, tmp_path_factory.mktemp(kind)) for kind in RUNS}
+    return {kind: run_with_copies(kind, tmp_path_factory.mktemp(kind)) for kind in RUNS}
 
 
-def watched_run(kind: str, folder: Path) -> Run:
+def run_with_copies(kind: str, folder: Path) -> Run:
     case, sets, _ = RUNS[kind]
     whole, stopped = folder / "whole", []
     recording = ngcell.record(ngcell.read_case(case, sets), whole)
