@@ -23,7 +23,7 @@ from ngcell.clock import Clock
 from ngcell.contact.pairing.facing import count_corners
 from ngcell.errors import CaseError, NotConverged, OutputError
 from ngcell.export import Restart, ResultFolder, cannot_resume, read_restart, read_summary
-from ngcell.results.certificate import MEANING, worst
+from ngcell.results.certificate import worst
 from ngcell.results.growth import growth_onset
 from ngcell.results.record import StepRecord
 from ngcell.results.report import StepReport
@@ -207,21 +207,22 @@ def simulate(scene: AnyCase | BodyScene) -> list[Step]:
 def inspect(case: AnyCase) -> dict[str, Any]:
     """Build a case without solving it, and return what would be solved."""
     simulation = Simulation(case)
-    gap = simulation.scene.facing.gaps(simulation.walls, simulation.walls.rest)
-    assembly = simulation.released
-    entries, solver = entry_count(assembly, simulation.longest_step), solver_name(assembly)
+    facing, walls = simulation.setup.facing, simulation.walls
+    gap = facing.gaps(walls, walls.rest)
+    minimiser = simulation.released.minimisers[-1]
+    entries, solver = entry_count(simulation.problem, minimiser), solver_name(minimiser)
     return {
         "bodies": simulation.bodies.body_count,
         "elements": int(simulation.bodies.mesh.ne),
         "order": simulation.space.order,
         "unknowns": simulation.space.unknowns,
-        "free_unknowns": int(assembly.free.sum()),
-        "wall_edges": simulation.walls.edge_count,
-        "facing_pairs": len(simulation.scene.facing.pairs),
-        "three_cell_corners": count_corners(simulation.walls),
+        "free_unknowns": int(simulation.problem.free.sum()),
+        "wall_edges": walls.edge_count,
+        "facing_pairs": len(simulation.setup.facing.pairs),
+        "three_cell_corners": count_corners(walls),
         "largest_initial_gap": float(gap.max(initial=0.0)),
         "largest_initial_overlap": float(max(0.0, -gap.min(initial=0.0))),
-        "penalty_stiffness": [float(f(assembly.contact.stiffness)) for f in (np.min, np.max)],
+        "penalty_stiffness": [float(f(simulation.contact.method.stiffness)) for f in (np.min, np.max)],
         "levels": list(case.level_factors),
         "matrix_entries": entries,
         "solver": solver,
@@ -242,18 +243,18 @@ def _summary(
         "certificate": {
             name: {"worst": check.value, "limit": check.limit, "passed": check.passed} for name, check in checks.items()
         },
-        "meaning_of_checks": MEANING,
+        "meaning_of_checks": {name: check.meaning for name, check in checks.items()},
         "expected": [finding.table() for step in steps for finding in step.findings],
         "failed_steps": {step.record.step: step.certificate.failures for step in steps if not step.record.certified},
         "accepted_steps": len(steps),
         "bodies": simulation.bodies.body_count,
         "unknowns": simulation.space.unknowns,
-        "facing_pairs": len(simulation.scene.facing.pairs),
+        "facing_pairs": len(simulation.setup.facing.pairs),
         "held_by_nothing": last.free_bodies if last else (),
         "changes_of_branch": {
             step.record.step: {"unstored_work": step.unstored_work}
             for step in steps
-            if step.record.phase == "contact" and step.unstored_work != 0
+            if step.record.phase == "released" and step.unstored_work != 0
         },
         "debonding": next((step.debonding for step in reversed(steps) if step.debonding), {}),
         "onset_of_growth": _onset(simulation, steps),
@@ -266,7 +267,7 @@ def _summary(
 
 
 def _onset(simulation: Simulation, steps: list[StepReport]) -> float | None:
-    contact = [step.record for step in steps if step.record.phase == "contact"]
+    contact = [step.record for step in steps if step.record.phase == "released"]
     displacement, mean = [row.plate_displacement for row in contact], [row.mean_gap for row in contact]
     return growth_onset(displacement, mean, simulation.bodies.thickness)
 

@@ -1,9 +1,11 @@
-"""What a scene asks for, after meshing; a tissue, user-defined bodies and own bodies from Python differ in this only."""
+"""From a scene to its mesh, its unknowns, its supports and the terms of its energy, contact and cohesion aside.
+
+A tissue, user-defined bodies of a case and those of a script differ in this only.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,12 +16,14 @@ from ngcell.geometry.drawn import body_face
 from ngcell.geometry.rings import along_walls
 from ngcell.geometry.shapes import check_boundaries, mesh_shapes
 from ngcell.geometry.tissue import tissue_mesh
-from ngcell.mechanics.filling import cell_pressures
+from ngcell.mechanics.bulk import BodyEnergy, InclusionEnergy
 from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
-from ngcell.mechanics.loading import end_loads, moved_region, prescribed_plate_displacement, prescribed_motion
+from ngcell.mechanics.loading import end_loads, moved_region, prescribed_motion, prescribed_plate_displacement
 from ngcell.mechanics.loads import BoundaryLoads
+from ngcell.mechanics.lumens.pressure import cell_pressures
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
+from ngcell.mechanics.term import Term
 from ngcell.scene import (
     Body,
     BodyCase,
@@ -31,16 +35,14 @@ from ngcell.scene import (
     Fluid,
     Inclusion,
     MooneyRivlin,
-    Sddp,
 )
 
-if TYPE_CHECKING:
-    from ngcell.mechanics.fluid import LumenFluids
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class Discretisation:
-    """What a scene asks for, after meshing.
+    """A scene after meshing.
 
     Attributes
     ----------
@@ -48,50 +50,44 @@ class Discretisation:
         The mesh.
     space : DisplacementSpace
         The unknowns on it.
-    laws : tuple of MooneyRivlinLaw
-        Law of each body.
+    walls : tuple of HyperelasticLaw
+        Law of the wall of each body.
+    solids : tuple of HyperelasticLaw
+        All laws, those of what fills lumens included.
     motion : PrescribedMotion
         The supports.
     moved : str
         Region whose force and displacement are reported; a regular expression.
-    prescribed displacement : array of float, shape (dimension,)
+    prescribed_displacement : array of float, shape (dimension,)
         Displacement of that region at load factor 1 [length].
-    compact_first : bool
-        Whether the bodies are loaded as one tied solid before they are released.
-    loads : BoundaryLoads, optional
-        What pushes and pulls besides the supports.
-    filling : MooneyRivlinLaw, optional
-        Law of what fills the lumens.
-    fluid : LumenFluids, optional
-        Fluids in the lumens.
-    fibre_direction : array of float, shape (elements, 2), in three dimensions (elements, 6), optional
-        Direction in the plane from which angles of fibres are measured, and in three dimensions that towards which they are.
-    cell_pressure : array of float, shape (bodies,), optional
-        Pressures that cells are under at load factor 1 [stress].
+    terms : tuple of Term
+        What the energy consists of, besides contact and cohesion.
     """
 
     bodies: BodyMesh
     space: DisplacementSpace
-    laws: tuple[MooneyRivlinLaw, ...]
+    walls: tuple[MooneyRivlinLaw, ...]
+    solids: tuple[MooneyRivlinLaw, ...]
     motion: PrescribedMotion
     moved: str
-    prescribed_displacement: NDArray[np.float64]
-    tied_first: bool
-    loads: BoundaryLoads | None = None
-    filling: MooneyRivlinLaw | None = None
-    fluid: LumenFluids | None = None
-    fibre_direction: NDArray[np.float64] | None = None
-    cell_pressure: NDArray[np.float64] | None = None
+    prescribed_displacement: Array
+    terms: tuple[Term, ...]
 
 
-def draw_up(scene: Case | BodyCase | BodyScene) -> Discretisation:
-    """Mesh a scene and say what moves."""
+def discretise(scene: Case | BodyCase | BodyScene) -> Discretisation:
+    """Mesh a scene, and say what moves and what acts.
+
+    Raises
+    ------
+    CaseError
+        If the scene cannot be meshed, or a load has no potential.
+    """
     if isinstance(scene, Case):
-        return _tissue_discretisation(scene)
-    return _body_discretisation(_drawn(scene) if isinstance(scene, BodyCase) else scene)
+        return _tissue(scene)
+    return _bodies(_user_defined(scene) if isinstance(scene, BodyCase) else scene)
 
 
-def _tissue_discretisation(case: Case) -> Discretisation:
+def _tissue(case: Case) -> Discretisation:
     lumen = case.lumen
     pressures = cell_pressures(lumen, case.tissue) if isinstance(lumen, CellPressure) else None
     bodies = tissue_mesh(
@@ -102,27 +98,34 @@ def _tissue_discretisation(case: Case) -> Discretisation:
         filled=isinstance(lumen, Inclusion),
     )
     space = DisplacementSpace(bodies, case.mesh.order)
-    motion, loads = prescribed_motion(space, case.load), None
-    applied = [*(pressures.loads if pressures else ()), *end_loads(case.load)]
-    if applied:
-        loads = BoundaryLoads(space, applied, motion, in_full=pressures is not None and lumen.ramp == "first")
+    motion, wall = prescribed_motion(space, case.load), _law(case.material)
+    terms: list[Term] = [
+        BodyEnergy(space, (wall,) * bodies.body_count, _wall_directions(bodies) if case.material.fibres else None)
+    ]
+    solids = [wall]
+    if isinstance(lumen, Inclusion):
+        solids.append(_law(lumen.material))
+        terms.append(InclusionEnergy(space, solids[-1]))
+    loads = [*(pressures.loads if pressures else ()), *end_loads(case.load)]
+    if loads:
+        first = isinstance(lumen, CellPressure) and lumen.ramp == "first"
+        given = pressures.pressure if pressures else None
+        terms.append(BoundaryLoads(space, loads, motion, in_full=first, cell_pressure=given))
+    if isinstance(lumen, Fluid):
+        terms.append(_fluids(space, lumen, wall.shear_modulus))
     return Discretisation(
         bodies=bodies,
         space=space,
-        laws=(_law(case.material),) * bodies.body_count,
+        walls=(wall,) * bodies.body_count,
+        solids=tuple(solids),
         motion=motion,
         moved=moved_region(case.load),
         prescribed_displacement=prescribed_plate_displacement(space, case.load),
-        tied_first=isinstance(case.strategy, Sddp),
-        loads=loads,
-        filling=_law(lumen.material) if isinstance(lumen, Inclusion) else None,
-        fibre_direction=_wall_directions(bodies) if case.material.fibres else None,
-        cell_pressure=pressures.pressure if pressures else None,
-        fluid=_fluids(space, lumen, case.material) if isinstance(lumen, Fluid) else None,
+        terms=tuple(terms),
     )
 
 
-def _wall_directions(bodies: BodyMesh) -> NDArray[np.float64]:
+def _wall_directions(bodies: BodyMesh) -> Array:
     if bodies.dimension == 2:
         return along_walls(bodies.mesh)
     from ngcell.geometry.prisms import along_and_up
@@ -130,13 +133,13 @@ def _wall_directions(bodies: BodyMesh) -> NDArray[np.float64]:
     return along_and_up(bodies)
 
 
-def _fluids(space: DisplacementSpace, lumen: Fluid, wall: MooneyRivlin) -> LumenFluids:
+def _fluids(space: DisplacementSpace, lumen: Fluid, modulus: float) -> Term:
     from ngcell.mechanics.fluid import LumenFluids
 
-    return LumenFluids(space, LUMEN, modulus=wall.c1 + wall.c2, fill=lumen.fill, in_full=lumen.ramp == "first")
+    return LumenFluids(space, LUMEN, modulus=modulus, fill=lumen.fill, in_full=lumen.ramp == "first")
 
 
-def _drawn(case: BodyCase) -> BodyScene:
+def _user_defined(case: BodyCase) -> BodyScene:
     """Return the scene of a case, with the faces that it describes."""
     bodies = []
     for body in case.bodies:
@@ -156,7 +159,32 @@ def _drawn(case: BodyCase) -> BodyScene:
     )
 
 
-def _body_discretisation(scene: BodyScene) -> Discretisation:
+def _bodies(scene: BodyScene) -> Discretisation:
+    bodies = _mesh(scene)
+    space = DisplacementSpace(bodies, scene.order)
+    given = [support.of_bodies(space.dimension) for support in scene.supports]
+    supports = [
+        Support(support.boundary, np.array(support.gradient), np.array(support.translation), support.components)
+        for support in given
+    ]
+    moving = [support for support in given if support.moves]
+    motion, laws = PrescribedMotion(space, supports), tuple(_law(body.material) for body in scene.bodies)
+    terms: list[Term] = [BodyEnergy(space, laws, _fibre_directions(scene, bodies))]
+    if scene.loads:
+        terms.append(BoundaryLoads(space, scene.loads, motion))
+    return Discretisation(
+        bodies=bodies,
+        space=space,
+        walls=laws,
+        solids=laws,
+        motion=motion,
+        moved="|".join(scene.moved_boundaries) or "none",
+        prescribed_displacement=np.array(moving[0].translation if moving else (0.0,) * space.dimension),
+        terms=tuple(terms),
+    )
+
+
+def _mesh(scene: BodyScene) -> BodyMesh:
     untouched = [edge for body in scene.bodies for edge in body.untouched]
     bodies = mesh_shapes(
         [body.shape for body in scene.bodies],
@@ -168,27 +196,9 @@ def _body_discretisation(scene: BodyScene) -> Discretisation:
     )
     check_boundaries(bodies, untouched, wanted_by="untouched edge")
     check_boundaries(bodies, [support.boundary for support in scene.supports])
-    applied = [load.boundary for load in scene.loads if not isinstance(load, BodyForce)]
-    check_boundaries(bodies, applied, wanted_by="load")
-    space = DisplacementSpace(bodies, scene.order)
-    given = [support.of_bodies(space.dimension) for support in scene.supports]
-    supports = [
-        Support(support.boundary, np.array(support.gradient), np.array(support.translation), support.components)
-        for support in given
-    ]
-    moving = [support for support in given if support.moves]
-    motion = PrescribedMotion(space, supports)
-    return Discretisation(
-        bodies=bodies,
-        space=space,
-        laws=tuple(_law(body.material) for body in scene.bodies),
-        motion=motion,
-        moved="|".join(scene.moved_boundaries) or "none",
-        prescribed_displacement=np.array(moving[0].translation if moving else (0.0,) * space.dimension),
-        tied_first=False,
-        loads=BoundaryLoads(space, scene.loads, motion) if scene.loads else None,
-        fibre_direction=_fibre_directions(scene, bodies),
-    )
+    loaded = [load.boundary for load in scene.loads if not isinstance(load, BodyForce)]
+    check_boundaries(bodies, loaded, wanted_by="load")
+    return bodies
 
 
 def _law(material: MooneyRivlin) -> MooneyRivlinLaw:
@@ -202,7 +212,7 @@ def _law(material: MooneyRivlin) -> MooneyRivlinLaw:
     return MooneyRivlinLaw(material.c1, material.c2, material.bulk_modulus, law)
 
 
-def _fibre_directions(scene: BodyScene, bodies: BodyMesh) -> NDArray[np.float64] | None:
+def _fibre_directions(scene: BodyScene, bodies: BodyMesh) -> Array | None:
     """Return the direction of each element of user-defined bodies; None where none has fibres."""
     given = [body.material.fibres for body in scene.bodies]
     if not any(given):

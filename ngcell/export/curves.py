@@ -47,7 +47,7 @@ def draw_curves(history: Sequence[StepRecord], path: Path, *, certified: bool, o
     OutputError
         If the file cannot be written.
     """
-    rows = [row for row in history if row.phase == "contact"] or list(history)
+    rows = [row for row in history if row.phase == "released"] or list(history)
     load, name = _load(rows)
     figure, gaps, parted = _canvas(name)
     refused = np.array([not row.certified for row in rows])

@@ -56,7 +56,7 @@ def draw_debonding(
     """
     from matplotlib.figure import Figure
 
-    rows = [row for row in history if row.phase == "contact"]
+    rows = [row for row in history if row.phase == "released"]
     load = np.array([row.plate_displacement for row in rows])
     name = "plate displacement"
     if not load.any():

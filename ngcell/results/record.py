@@ -7,7 +7,8 @@ case's `side`, stresses that of its material constants; a planar scene is taken 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Literal
 
 
@@ -19,7 +20,7 @@ class StepRecord:
     ----------
     step : int
         Number of the accepted step, from 0.
-    phase : {"tied", "contact"}
+    phase : {"tied", "released"}
         Whether the walls are tied to one tied solid, or are free to part.
     load_factor : float
         Share of the case's full load, in [0, 1].
@@ -54,10 +55,12 @@ class StepRecord:
         Energy lost since rest as walls snapped or were released at held plates [stress * length**3]; 0 without cohesion.
     plate_force_z : float
         As the other forces of the moved plate; 0 in a planar scene.
+    more : mapping of str to float
+        Further columns, by name: what terms and observables of the scene report.
     """
 
     step: int
-    phase: Literal["tied", "contact"]
+    phase: Literal["tied", "released"]
     load_factor: float
     plate_displacement: float
     largest_gap: float
@@ -79,6 +82,7 @@ class StepRecord:
     bonded_share: float = 0.0
     dissipation: float = 0.0
     plate_force_z: float = 0.0
+    more: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

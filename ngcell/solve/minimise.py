@@ -19,40 +19,14 @@ from numpy.typing import NDArray
 from ngcell.clock import Clock
 from ngcell.solve.effort import Effort
 from ngcell.solve.linear import SymmetricMatrix
-from ngcell.solve.minimum import Ending, Minimum, ProximalTerm
+from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.one_sided import Matrix, OneSidedModel, minimise_one_sided
+from ngcell.solve.options import MinimiserOptions
 from ngcell.solve.problem import Linearisation, Problem, State
+from ngcell.solve.proximal import ProximalTerm
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
-
-#: Share of the foreseen decrease below which a step is refused, and above which the damping falls.
-POOR, FAIR = 1e-4, 0.25
-#: Factors of the damping after a refused, a poor and a good step.
-RAISE, NUDGE, LOWER = 8.0, 2.0, 0.1
-#: Shares of a step's slope at which a damping is felt along the step, and at which it is not.
-FELT, UNFELT = 0.1, 1e-4
-#: Differences of energies below this share of the energy are round-off; so are decrements below `NO_DECREMENT`.
-ROUND_OFF, NO_DECREMENT = 1e-13, 1e-18
-#: A decrement below this share of the energy, or below so many times its round-off at rest, is lost once as many
-#: iterations as `IDLE` left it at its lowest: forces are round-off, or steps go to and fro at a kink of the energy, as
-#: where walls end at a corner of three cells. Fewer do not tell: where cells roll, it rests before it falls again.
-STALLED, UNSEEN, IDLE = 1e-12, 10.0, 5
-#: Gap, as a share of the longest step, below which a prediction keeps walls closed.
-TOUCHING = 1e-6
-#: Round-off of an energy at rest, as a share of the scale: there it is a difference of numbers of order one.
-NOISE = 1e-16
-MOST_REFUSALS = 25
-#: Room for contacts to come, in longest steps: what a matrix must have, and what a new one gets. It fills the matrix
-#: little, and a new one costs as much as ten factorisations.
-MARGIN, WIDE_MARGIN = 2.0, 4.0
-#: Most unknowns in three dimensions that are solved for by a direct solver; in the plane all are.
-MOST_DIRECT = 200_000
-
-
-def is_iterative(problem: Problem) -> bool:
-    """Return whether the systems of a problem are solved by iterations, and not factorised in one piece."""
-    return len(problem.free) > MOST_DIRECT and problem.dimension == 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,8 +51,8 @@ class Minimiser:
         Largest change of a displacement unknown in one iteration [length].
     energy_scale : float
         An energy beside which that of an undeformed state is nothing: a modulus times the volume [energy].
-    most_iterations : int
-        Limit of one minimisation. Where rows of cells slide past others at once, it takes some hundreds.
+    options : MinimiserOptions
+        The method's own numbers.
     clock : Clock
         Where the seconds are added up.
     """
@@ -86,7 +60,7 @@ class Minimiser:
     problem: Problem
     longest_step: float
     energy_scale: float
-    most_iterations: int = 1000
+    options: MinimiserOptions = field(default_factory=MinimiserOptions)
     clock: Clock = field(default_factory=Clock)
     effort: Effort = field(default_factory=Effort)
     _matrix: Matrix | None = None
@@ -97,13 +71,13 @@ class Minimiser:
     ) -> Minimum:
         """Descend from `start` until the Newton decrement is below `tolerance` [energy], or lost in round-off.
 
-        It ends after `most` iterations, by default `most_iterations`.
+        It ends after `most` iterations, by default as many as the options say.
         """
         state, damping, decrement = self._at(start), 0.0, float("inf")
         lowest, idle = decrement, 0
         if not np.isfinite(state.energy):
             return Minimum(state, Ending.NO_ENERGY, decrement, proximal)
-        for _ in range(most or self.most_iterations):
+        for _ in range(most or self.options.most_iterations):
             self.effort.iterations += 1
             advance = self._descend(state, proximal, damping, tolerance)
             if advance is None:
@@ -115,7 +89,7 @@ class Minimiser:
                 lowest, idle = decrement, 0
             elif decrement <= 4 * lowest:
                 idle += 1
-            if idle == IDLE and lowest <= max(STALLED * abs(state.energy), UNSEEN * NOISE * self.energy_scale):
+            if idle == self.options.idle and lowest <= max(self.options.stalled * abs(state.energy), self.options.unseen * self.options.noise * self.energy_scale):
                 return Minimum(state, Ending.STALLED, decrement, proximal)
         return Minimum(state, Ending.TOO_MANY_ITERATIONS, decrement, proximal)
 
@@ -127,7 +101,7 @@ class Minimiser:
         state = self._at(displacement)
         jump = np.where(self.problem.free, 0.0, imposed - displacement)
         model = self._model(state, self.problem.linearise(state), ProximalTerm(weight, displacement), 0.0)
-        touching = np.flatnonzero(model.gap <= TOUCHING * self.longest_step)
+        touching = np.flatnonzero(model.gap <= self.options.touching * self.longest_step)
         jacobian, penalty = model.jacobian[touching], model.penalty[touching]
         values = self._matrix.add_penalty_terms(model.stiffness, jacobian, penalty)
         self._matrix.factorise(values)
@@ -146,12 +120,16 @@ class Minimiser:
 
     def proximal_energy(self, displacement: Array, proximal: ProximalTerm) -> float:
         """Return the energy of a proximal term."""
-        away = displacement - proximal.centre
-        return 0.5 * proximal.weight * float(away @ (self.problem.mass @ away))
+        return proximal.value(displacement, self.problem.mass)
+
+    @property
+    def is_iterative(self) -> bool:
+        """Whether systems are solved by iterations, and not factorised in one piece."""
+        return len(self.problem.free) > self.options.most_direct and self.problem.dimension == 3
 
     def _is_lost(self, state: State, decrement: float) -> bool:
         """Return whether a decrement is round-off of the energy."""
-        return decrement <= max(NO_DECREMENT * abs(state.energy), NO_DECREMENT**1.5 * self.energy_scale)
+        return decrement <= max(self.options.no_decrement * abs(state.energy), self.options.no_decrement**1.5 * self.energy_scale)
 
     def _at(self, displacement: Array) -> State:
         self.effort.evaluations += 1
@@ -166,27 +144,27 @@ class Minimiser:
         with self.clock.phase("assembly"):
             line = self.problem.linearise(state)
         energy = state.energy + self.proximal_energy(state.displacement, proximal)
-        lost = max(ROUND_OFF * abs(energy), NOISE * self.energy_scale)
+        lost = max(self.options.round_off * abs(energy), self.options.noise * self.energy_scale)
         model, is_last = self._model(state, line, proximal, damping), False
-        for _ in range(MOST_REFUSALS):
+        for _ in range(self.options.most_refusals):
             step, change = self._step(model)
             decrement = -float(model.full_gradient @ step)
             if change <= 0 <= decrement:
                 trial, gain = self._tried(state, step, proximal, energy)
                 if -lost < change and -lost < gain:
                     return _Advance(trial, 0.0, decrement, damping)
-                if gain <= POOR * -change:
-                    bent = self._bent(line, model, step, trial, POOR * -change - gain)
+                if gain <= self.options.poor * -change:
+                    bent = self._bent(line, model, step, trial, self.options.poor * -change - gain)
                     if bent is not None:
                         bent_trial, bent_gain = self._tried(state, bent, proximal, energy)
-                        if bent_gain > POOR * -change:
+                        if bent_gain > self.options.poor * -change:
                             trial, gain = bent_trial, bent_gain
                 quality = gain / -change if change < 0 else -np.inf
                 is_last = is_last or (damping == 0 and decrement <= tolerance)
-                if quality > POOR:
+                if quality > self.options.poor:
                     relaxed = self._relaxed(damping, quality, model, step)
                     return _Advance(trial, relaxed, decrement, 0.0 if is_last else damping)
-            raised = max(RAISE * damping, self._weight_of(FELT, model, step))
+            raised = max(self.options.raise_by * damping, self._weight_of(self.options.felt, model, step))
             model, damping = self._raised(model, raised - damping), raised
             self.effort.refusals += 1
         return None
@@ -222,7 +200,7 @@ class Minimiser:
     def _step(self, model: OneSidedModel) -> tuple[Array, float]:
         """Return a step no longer than allowed, and the change of the model."""
         with self.clock.phase("factorisation"):
-            step, change, rounds = minimise_one_sided(model, self._matrix)
+            step, change, rounds = minimise_one_sided(model, self._matrix, self.options.inner)
         self.effort.factorisations += rounds
         longest = float(np.abs(step).max())
         if longest > self.longest_step:
@@ -232,10 +210,10 @@ class Minimiser:
 
     def _relaxed(self, damping: float, quality: float, model: OneSidedModel, step: Array) -> float:
         """Return the damping after an accepted step; one that is not felt along the step becomes zero."""
-        unfelt = self._weight_of(UNFELT, model, step)
-        if quality < FAIR:
-            return max(NUDGE * damping, unfelt)
-        return LOWER * damping if LOWER * damping > unfelt else 0.0
+        unfelt = self._weight_of(self.options.unfelt, model, step)
+        if quality < self.options.fair:
+            return max(self.options.nudge_by * damping, unfelt)
+        return self.options.lower_by * damping if self.options.lower_by * damping > unfelt else 0.0
 
     def _weight_of(self, share: float, model: OneSidedModel, step: Array) -> float:
         """Return the damping whose curvature along the step is this share of the model's slope along it."""
@@ -250,7 +228,7 @@ class Minimiser:
             values[self._mass] += (proximal.weight + damping) * self._mass_values
             if line.curvature is not None:
                 values = matrix.add(values, line.curvature)
-            gradient = line.gradient + proximal.weight * (mass @ (state.displacement - proximal.centre))
+            gradient = line.gradient + proximal.gradient(state.displacement, mass)
             gradient = np.where(self.problem.free, gradient, 0.0)
             return OneSidedModel(gradient, values, line.gap, line.jacobian, line.penalty, self.problem.free)
 
@@ -267,11 +245,11 @@ class Minimiser:
 
     def _make_room(self, state: State) -> None:
         """Make a matrix, or a new one when walls that may have come into reach have no room in it."""
-        if is_iterative(self.problem):
+        if self.is_iterative:
             if self._matrix is None:
                 self._make_matrix(None)
             return
-        margin = MARGIN * self.longest_step
+        margin = self.options.margin * self.longest_step
         if self._matrix is not None and self._is_near(state, margin):
             return
         near = self.problem.couplings(state, margin)
@@ -279,7 +257,7 @@ class Minimiser:
         if self._matrix is not None and self._matrix.has_room(*near):
             return
         self.effort.patterns += 1
-        near = self.problem.couplings(state, WIDE_MARGIN * self.longest_step)
+        near = self.problem.couplings(state, self.options.wide_margin * self.longest_step)
         self._make_matrix(near)
 
     def _make_matrix(self, near: tuple[Index, Index] | None) -> None:

@@ -1,0 +1,1 @@
+"""What lumens hold: nothing, a pressure, a solid or a fluid."""
