@@ -14,11 +14,11 @@ import ngsolve
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from ngcell.build.checkpoint import Checkpoint
 from ngcell.build.memory import entry_count, foreseen_memory, solver_name
 from ngcell.build.observation import Step
 from ngcell.build.penalty_error import check_has_penalty, stiffer_result
 from ngcell.build.simulation import Simulation
-from ngcell.build.checkpoint import Checkpoint
 from ngcell.clock import Clock
 from ngcell.contact.pairing.facing import count_corners
 from ngcell.errors import CaseError, NotConverged, OutputError

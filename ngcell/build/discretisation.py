@@ -35,6 +35,8 @@ from ngcell.scene import (
     Fluid,
     Inclusion,
     MooneyRivlin,
+    Pressure,
+    Traction,
 )
 
 Array = NDArray[np.float64]
@@ -106,7 +108,7 @@ def _tissue(case: Case) -> Discretisation:
     if isinstance(lumen, Inclusion):
         solids.append(_law(lumen.material))
         terms.append(InclusionEnergy(space, solids[-1]))
-    loads = [*(pressures.loads if pressures else ()), *end_loads(case.load)]
+    loads: list[Pressure | Traction] = [*(pressures.loads if pressures else ()), *end_loads(case.load)]
     if loads:
         first = isinstance(lumen, CellPressure) and lumen.ramp == "first"
         given = pressures.pressure if pressures else None
@@ -224,5 +226,6 @@ def _fibre_directions(scene: BodyScene, bodies: BodyMesh) -> Array | None:
         if fibres is not None and fibres.direction is None:
             raise CaseError(f"{body.name}: its fibres have no direction; allowed: a vector in the plane")
         if fibres is not None:
-            directions[number] = fibres.direction / np.linalg.norm(fibres.direction)
+            direction = np.array(fibres.direction)
+            directions[number] = direction / np.linalg.norm(direction)
     return directions[bodies.body_of_element]

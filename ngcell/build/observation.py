@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from ngcell.build.checkpoint import Checkpoint
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.problem.problem import Problem
 from ngcell.problem.reports import cell_fields
+from ngcell.problem.state import State
 from ngcell.results.cells import cell_records, debonding
 from ngcell.results.fields import Label, take_snapshot
 from ngcell.results.finding import Finding, compare
@@ -136,7 +137,7 @@ class Observer:
         """
         measured = self._measure(accepted, problem, checkpoint)
         after = checkpoint.after(accepted.phase, accepted.minimum.state.displacement, measured.work)
-        view = View(problem, accepted.minimum.state, self._setup.walls, self._setup.motion, measured.reaction)
+        view = View(problem, _state(accepted), self._setup.walls, self._setup.motion, measured.reaction)
         columns, fields = observed(self._observables, view)
         components = self._components(problem, measured)
         record = self._record(checkpoint.count, accepted, measured, components, seconds)
@@ -164,9 +165,7 @@ class Observer:
             wall_data={"gap": gap, "contact_pressure": pressure},
             body_data={"free": free, **held, **fields},
         )
-        cells = cell_records(
-            components, measured, record.step, record.plate_displacement, held.get("cell_pressure")
-        )
+        cells = cell_records(components, measured, record.step, record.plate_displacement, held.get("cell_pressure"))
         return replace(
             step,
             walls=wall_records(facing, measured, record.step, thickness, onsets.onset),
@@ -177,7 +176,7 @@ class Observer:
         )
 
     def _measure(self, accepted: Accepted, problem: Problem, checkpoint: Checkpoint) -> Measurement:
-        state, proximal = accepted.minimum.state, accepted.minimum.proximal
+        state, proximal = _state(accepted), accepted.minimum.proximal
         return measure(
             self._setup,
             problem,
@@ -203,7 +202,7 @@ class Observer:
         x, y, *z = measured.plate_force
         return StepRecord(
             step=number,
-            phase=accepted.phase,
+            phase="tied" if accepted.phase == "tied" else "released",
             load_factor=accepted.load_factor,
             plate_displacement=accepted.load_factor * float(np.linalg.norm(self._setup.prescribed_displacement)),
             largest_gap=float(gap.max(initial=0.0)),
@@ -227,3 +226,8 @@ class Observer:
             plate_force_z=float(z[0]) if z else 0.0,
             more=further,
         )
+
+
+def _state(accepted: Accepted) -> State:
+    """Return the state of a step; the solver knows it by protocol only."""
+    return cast(State, accepted.minimum.state)

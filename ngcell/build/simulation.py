@@ -29,6 +29,7 @@ from ngcell.problem.problem import Problem
 from ngcell.problem.reports import memory
 from ngcell.problem.tie import tie_walls
 from ngcell.results.measure import Setup
+from ngcell.results.observables.observable import Observable
 from ngcell.results.overlap import deepest_overlap_of_bodies
 from ngcell.scene import AnyCase, BodyScene
 from ngcell.solve.continuation import Continuation
@@ -72,7 +73,7 @@ class Simulation:
         *,
         options: SolverOptions | None = None,
         terms: Sequence[OwnTerm] = (),
-        observables: Sequence[object] = (),
+        observables: Sequence[Observable] = (),
     ) -> None:
         self.clock, self.options = clock or Clock(), options or SolverOptions()
         self._case, self.levels = scene, scene.level_factors

@@ -45,7 +45,7 @@ class BodyEnergy(SymbolicTerm):
     def integrals(self, displacement: ngsolve.CoefficientFunction) -> Integrals:
         """Yield the stored energy of each material."""
         gradient = ngsolve.Id(self.space.dimension) + ngsolve.Grad(displacement)
-        direction = None if self._direction is None else _by_element(self.space, self._direction)
+        direction = () if self._direction is None else _by_element(self.space, self._direction)
         names = self.space.bodies.body_names
         for law in dict.fromkeys(self.laws):
             members = "|".join(name for name, mine in zip(names, self.laws, strict=True) if mine == law)
@@ -134,7 +134,7 @@ class InclusionEnergy(SymbolicTerm):
 
         def by_body(density: ngsolve.CoefficientFunction) -> Array:
             values = np.array(ngsolve.Integrate(density * inside, bodies.mesh, element_wise=True))
-            return np.bincount(bodies.body_of_element, values, bodies.body_count)
+            return np.asarray(np.bincount(bodies.body_of_element, values, bodies.body_count), dtype=float)
 
         pressure = by_body(-self.law.bulk_modulus * ngsolve.log(jacobian)) / by_body(jacobian)
         return {"cell_pressure": pressure}

@@ -75,7 +75,7 @@ class EndsMotion(PrescribedMotion):
         x, y = np.cos(turn) * across[0] - np.sin(turn) * across[1], np.sin(turn) * across[0] + np.cos(turn) * across[1]
         tilted = np.array([np.cos(tilt * share) * x, y, -np.sin(tilt * share) * x])
         centre = self._foot[:, None] + _arc(tilt, share, self._length)
-        return centre + tilted - at + share * prescribed_displacement[:, None]
+        return np.asarray(centre + tilted - at + share * prescribed_displacement[:, None])
 
     def _at(self, load_factor: float) -> tuple[float, float, Array]:
         """Return tilt and twist [rad] and displacement [length]."""

@@ -109,11 +109,11 @@ class LumenFluids(Term):
     @property
     def needed(self) -> Array:
         """Area of each fluid [length**dimension], shape (lumens,)."""
-        return (1 + self._share * (self._fill - 1)) * self.area
+        return np.asarray((1 + self._share * (self._fill - 1)) * self.area)
 
     def areas(self, displacement: Array) -> Array:
         """Return the area of each lumen [length**dimension], shape (lumens,)."""
-        return self.area + self._risen(displacement)
+        return np.asarray(self.area + self._risen(displacement))
 
     def pressures(self, displacement: Array) -> Array:
         """Return the pressure that each liquid answers with [stress], shape (lumens,)."""
@@ -193,14 +193,14 @@ class LumenFluids(Term):
     @property
     def _stiffness(self) -> Array:
         """Pressure for each surplus of area [stress / length**dimension], shape (lumens,)."""
-        return self._pace * self._modulus / self.area
+        return np.asarray(self._pace * self._modulus / self.area)
 
     def _surplus(self, displacement: Array) -> Array:
-        return self.areas(displacement) - self.needed
+        return np.asarray(self.areas(displacement) - self.needed)
 
     def _risen(self, displacement: Array) -> Array:
         """Return the change of each lumen's area."""
-        return np.bincount(self._lumen, self._swept.shares(displacement), len(self.body))
+        return np.asarray(np.bincount(self._lumen, self._swept.shares(displacement), len(self.body)), dtype=float)
 
 
 class _Outlines:
@@ -240,7 +240,7 @@ class _Outlines:
 
     def bend(self, displacement: Array) -> Array:
         """Return the second derivative on `pattern`."""
-        return self._lower
+        return np.asarray(self._lower)
 
 
 class _Surfaces:

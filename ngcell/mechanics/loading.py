@@ -73,7 +73,7 @@ def _plates_motion(space: DisplacementSpace, prescribed_displacement: Array, end
     upper = height[_vertices(space, UPPER_PLATE)].min()
 
     def lifting(at: Array) -> Array:
-        return prescribed_displacement[:, None] * np.clip((at[1] - lower) / (upper - lower), 0, 1)
+        return np.asarray(prescribed_displacement[:, None] * np.clip((at[1] - lower) / (upper - lower), 0, 1))
 
     dimension = space.dimension
     whole, still = (True,) * dimension, np.zeros((dimension, dimension))

@@ -16,7 +16,6 @@ from contextlib import contextmanager
 import ngsolve
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion

@@ -6,6 +6,7 @@ together. Each can also be evaluated by itself, with a form of its own.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from typing import Any
@@ -67,7 +68,8 @@ class EnergyForm:
     def lower_tangent(self, displacement: Array) -> Array:
         """Return the second derivative on `pattern`."""
         _ = self.pattern
-        return np.asarray(self._assembled(displacement).CSR()[0])[self._lower]
+        values: Array = np.asarray(self._assembled(displacement).CSR()[0])[self._lower]
+        return values
 
     def _assembled(self, displacement: Array) -> ngsolve.la.BaseMatrix:
         self._form.AssembleLinearization(self._at(displacement))
@@ -90,9 +92,9 @@ class SymbolicTerm(Term):
 
     space: DisplacementSpace
 
+    @abstractmethod
     def integrals(self, displacement: ngsolve.CoefficientFunction) -> Integrals:
         """Return the energy of a displacement, an NGSolve function, as integrals over regions of the mesh."""
-        raise NotImplementedError
 
     def beyond_integrals(self, displacement: Array) -> Array | None:
         """Return what the gradient has besides the derivative of the integrals, shape (unknowns,); as a rule nothing."""
@@ -186,4 +188,3 @@ def fused(terms: Sequence[Term]) -> tuple[Term, ...]:
     if len(symbolic) == 1 and isinstance(symbolic[0], SymbolicSum):
         return (symbolic[0], *others)
     return (SymbolicSum(parts_of(symbolic)), *others) if symbolic else others
-

@@ -13,10 +13,11 @@ Signs: a gradient is minus the force that the term exerts on the unknowns. Gaps 
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -129,21 +130,21 @@ class Interaction:
     normal: Array
 
 
-class Term(Protocol):
-    """One physical effect; every method but `value`, `gradient` and `tangent` has a default."""
+class Term(ABC):  # noqa: B024, B027 - what most terms have none of does nothing by default
+    """One physical effect; every method but `value` and `gradient` has a default."""
 
     @property
     def role(self) -> Role:
         """What its forces are in a balance of forces."""
         return Role.INTERNAL
 
+    @abstractmethod
     def value(self, at: Configuration) -> float:
         """Return the energy, constraints included; NaN where it is not defined."""
-        raise NotImplementedError
 
+    @abstractmethod
     def gradient(self, at: Configuration) -> Array:
         """Return the gradient without that of constraints, shape (unknowns,)."""
-        raise NotImplementedError
 
     def tangent(self, at: Configuration) -> Array:
         """Return the second derivative on `pattern`, without that of constraints."""

@@ -47,9 +47,7 @@ class Problem:
         self.space, self._sum = space, fused(terms)
         self.terms: tuple[Term, ...] = parts_of(self._sum)
         self.fixed = fixed.ravel()
-        self.unknowns: UnknownMap = (
-            OwnUnknowns(self.fixed) if tie is None else TiedUnknowns(tie, space, self.fixed)
-        )
+        self.unknowns: UnknownMap = OwnUnknowns(self.fixed) if tie is None else TiedUnknowns(tie, space, self.fixed)
         self.free = self.unknowns.free
 
     @property

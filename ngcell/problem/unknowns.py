@@ -108,7 +108,7 @@ class TiedUnknowns:
 
     def gather(self, force: Array) -> Array:
         """Return the sum of the forces on all unknowns that follow each master."""
-        return np.bincount(self._master, weights=self._sign * force, minlength=len(force))
+        return np.asarray(np.bincount(self._master, weights=self._sign * force, minlength=len(force)), dtype=float)
 
     def reactions(self, force: Array) -> Array:
         """Return the forces on fixed masters; that on a tied node is borne by one of its fixed members."""

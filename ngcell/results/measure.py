@@ -209,9 +209,7 @@ def _surplus_of_work(old: WorkPoint, now: WorkPoint) -> float:
     return float(np.sign(mismatch) * max(abs(mismatch) - allowed, 0.0))
 
 
-def _held_by_nothing(
-    problem: Problem, setup: Setup, forces: ContactForces, proximal_force: Array
-) -> tuple[int, ...]:
+def _held_by_nothing(problem: Problem, setup: Setup, forces: ContactForces, proximal_force: Array) -> tuple[int, ...]:
     if not problem.unknowns.lets_bodies_part:
         return ()
     pull = np.linalg.norm(body_resultants(problem.space, proximal_force), axis=1)
