@@ -5,7 +5,7 @@
     NgcellError                 an error that names the thing, the value, the limit and the remedy
     ├── CaseError               the case cannot be simulated as written                      exit 3
     │   └── GeometryError       its shape cannot be built or meshed                          exit 3
-    ├── NotConverged            the load stepping ended early                     exit 4
+    ├── NotConverged            the the load path was not followed to its end                     exit 4
     ├── OutputError             results cannot be written to, or read from, a folder         exit 4
     └── DependencyError         an installed library is missing or cannot do what is needed  exit 4
 
@@ -15,7 +15,7 @@ raises nothing: it is a result, labelled as such, and the command line alone tur
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
 
 class NgcellError(Exception):
@@ -35,7 +35,7 @@ class GeometryError(CaseError):
 
 
 class NotConverged(NgcellError):  # noqa: N818 - named as what is reported, not as a mistake
-    """The load stepping ended before the last level.
+    """The load path was not followed to its last level.
 
     Parameters
     ----------
@@ -43,14 +43,19 @@ class NotConverged(NgcellError):  # noqa: N818 - named as what is reported, not 
         What happened and what to try.
     outcome : str
         Name of the outcome, one of the closed list of the solver.
-    record_count : int
-        Number of steps that were accepted before, all kept in the output folder.
+    steps : tuple
+        The steps that were accepted before: those of a simulation, or the reports of a recording, whose folder keeps them.
     """
 
-    def __init__(self, message: str, *, outcome: str, record_count: int) -> None:
+    def __init__(self, message: str, *, outcome: str, steps: tuple[Any, ...] = ()) -> None:
         super().__init__(message)
         self.outcome = outcome
-        self.record_count = record_count
+        self.steps = steps
+
+    @property
+    def record_count(self) -> int:
+        """Number of steps that were accepted before."""
+        return len(self.steps)
 
 
 class OutputError(NgcellError):

@@ -64,6 +64,8 @@ class Simulation:
         Further terms of the energy, each made from the displacement space.
     observables : sequence of Observable
         What is measured besides what every run measures.
+    strategy : Strategy, optional
+        How the load path is followed, in place of what the scene says.
     """
 
     def __init__(
@@ -74,9 +76,10 @@ class Simulation:
         options: SolverOptions | None = None,
         terms: Sequence[OwnTerm] = (),
         observables: Sequence[Observable] = (),
+        strategy: Strategy | None = None,
     ) -> None:
         self.clock, self.options = clock or Clock(), options or SolverOptions()
-        self._case, self.levels = scene, scene.level_factors
+        self._case, self.levels, self._strategy = scene, scene.level_factors, strategy
         with self.clock.phase("meshing"):
             self.discretisation = built = discretise(scene)
             self.bodies, self.space, self.motion = built.bodies, built.space, built.motion
@@ -203,6 +206,8 @@ class Simulation:
     @property
     def strategy(self) -> Strategy:
         """How the load path is followed: as the scene says, else as its terms allow."""
+        if self._strategy is not None:
+            return self._strategy
         given = getattr(self._case, "strategy", None)
         if given is not None and given.kind == "sddp":
             return Sddp(steps=given.steps)
