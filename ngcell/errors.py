@@ -5,7 +5,7 @@
     NgcellError                 an error that names the thing, the value, the limit and the remedy
     ├── CaseError               the case cannot be simulated as written                      exit 3
     │   └── GeometryError       its shape cannot be built or meshed                          exit 3
-    ├── NotConverged            the the load path was not followed to its end                     exit 4
+    ├── NotConverged            the load path was not followed to its last level            exit 4
     ├── OutputError             results cannot be written to, or read from, a folder         exit 4
     └── DependencyError         an installed library is missing or cannot do what is needed  exit 4
 
@@ -44,7 +44,7 @@ class NotConverged(NgcellError):  # noqa: N818 - named as what is reported, not 
     outcome : str
         Name of the outcome, one of the closed list of the solver.
     steps : tuple
-        The steps that were accepted before: those of a simulation, or the reports of a recording, whose folder keeps them.
+        The steps that were accepted before: those of a simulation, or reports of a recording, whose folder keeps them.
     """
 
     def __init__(self, message: str, *, outcome: str, steps: tuple[Any, ...] = ()) -> None:
