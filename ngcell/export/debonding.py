@@ -1,4 +1,4 @@
-"""How the tissue falls apart: open walls and connected components of cells over the load, and where each wall pair opened."""
+"""How the tissue falls apart: open walls and connected components over the load, and where each wall pair opened."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _OPEN, _PARTED, _COMPONENTS, _LARGEST, _CLOSED = "#1f5f8b", "#4a7a3a", "#b3361e"
 def draw_debonding(
     history: Sequence[StepRecord], pairs: Sequence[PairOnset], cells: Grid, path: Path, *, certified: bool
 ) -> Path:
-    """Draw open walls and components over the load, and the walls at rest coloured by the displacement that opened them.
+    """Draw open walls and components over the load, and walls at rest in the colour of what displacement opened them.
 
     Parameters
     ----------
