@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from ngcell.problem.assembly import Assembly
 from scipy.integrate import quad
 
 from ngcell.contact.cohesion.bonds import bond_walls
 from ngcell.contact.cohesion.exponential import Cohesion
 from ngcell.contact.cohesion.law import CohesiveLaw
-from ngcell.problem.assembly import Assembly
 from tests.contact.derivatives import assert_derivatives, smooth_step
 from tests.tissues import small_tissue
 

@@ -177,7 +177,7 @@ def test_the_command_line_resumes(whole, stopped):
 def test_what_a_kill_left_half_written_is_computed_again(whole, stopped):
     for table in ("history.csv", "walls.csv", "cells.csv"):
         with (stopped / table).open("a") as file:
-            file.write("3,contact,0.3")
+            file.write("3,released,0.3")
     (stopped / "tissue_0001.vtu").write_bytes(b"half a file")
     list(resume(stopped))
     assert_same_result(stopped, whole)
@@ -197,9 +197,7 @@ def test_resuming_an_ended_run_says_so(whole):
     before = {path.name: path.read_bytes() for path in whole.iterdir()}
     answer = ngcell_command("solve", "--resume", str(whole))
     assert answer.returncode == 0
-    assert answer.stdout.splitlines() == [
-        f"nothing to resume: the run in {whole} has ended (converged and certified)"
-    ]
+    assert answer.stdout.splitlines() == [f"nothing to resume: the run in {whole} has ended (converged and certified)"]
     assert {path.name: path.read_bytes() for path in whole.iterdir()} == before
     with pytest.raises(OutputError, match="needs no resuming"):
         resume(whole)
