@@ -6,10 +6,13 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from ngcell.build.observation import Step
+    from ngcell.build.options import Options
     from ngcell.contact.cohesion.exponential import Cohesion
     from ngcell.contact.methods.by_mortar import Mortar
     from ngcell.contact.methods.by_penalty import Penalty
-    from ngcell.contact.methods.stages import ContactOptions
+    from ngcell.contact.methods.normal_law import NormalLaw
+    from ngcell.errors import CaseError, DependencyError, GeometryError, NgcellError, NotConverged, OutputError
     from ngcell.geometry.tissues.honeycomb import Tissue
     from ngcell.geometry.tissues.polygons import PolygonTissue
     from ngcell.geometry.user_bodies.block import Block
@@ -18,58 +21,139 @@ if TYPE_CHECKING:
     from ngcell.mechanics.laws.custom import CustomLaw
     from ngcell.mechanics.laws.fibres import ExponentialFibres, QuadraticFibres
     from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
+    from ngcell.mechanics.loading.ends import Ends
+    from ngcell.mechanics.loading.frame import Frame
+    from ngcell.mechanics.loading.plates import Plates
+    from ngcell.mechanics.lumens.fluid import Fluid
+    from ngcell.mechanics.lumens.inclusion import Inclusion
+    from ngcell.mechanics.lumens.pressure import CellPressure
+    from ngcell.mechanics.supports import PrescribedMotion, Support
+    from ngcell.mechanics.symbolic import OwnEnergy
+    from ngcell.mechanics.term import Term
+    from ngcell.recording import Recording
+    from ngcell.results.observables.rotation import Rotation
+    from ngcell.results.quantities import View
     from ngcell.run import inspect, record, resume, simulate
     from ngcell.scene import (
         Body,
         BodyCase,
+        BodyExpected,
         BodyForce,
+        BodyMeshChoice,
         BodyScene,
         BodySupport,
         Case,
         Expected,
-        Frame,
         MeshChoice,
-        Plates,
         Pressure,
         Refinement,
-        Sddp,
-        SingleStep,
         Traction,
         read_case,
         register,
     )
+    from ngcell.solve.options import SolverOptions
+    from ngcell.solve.strategies.load_stepping import LoadStepping
+    from ngcell.solve.strategies.sddp import Sddp
+    from ngcell.solve.strategies.single_step import SingleStep
 
 __version__ = "0.1.0"
+
+#: Where each name is; all are loaded on first use, so that `import ngcell` and `ngcell --help` stay free of NGSolve's
+#: seconds.
+_PLACES = {
+    "ngcell.build.observation": ("Step",),
+    "ngcell.build.options": ("Options",),
+    "ngcell.contact.cohesion.exponential": ("Cohesion",),
+    "ngcell.contact.methods.by_mortar": ("Mortar",),
+    "ngcell.contact.methods.by_penalty": ("Penalty",),
+    "ngcell.contact.methods.normal_law": ("NormalLaw",),
+    "ngcell.errors": (
+        "CaseError", "DependencyError", "GeometryError", "NgcellError", "NotConverged", "OutputError",
+    ),
+    "ngcell.geometry.tissues.honeycomb": ("Tissue",),
+    "ngcell.geometry.tissues.polygons": ("PolygonTissue",),
+    "ngcell.geometry.user_bodies.block": ("Block",),
+    "ngcell.geometry.user_bodies.disc": ("Disc",),
+    "ngcell.geometry.user_bodies.ring": ("Ring",),
+    "ngcell.mechanics.laws.custom": ("CustomLaw",),
+    "ngcell.mechanics.laws.fibres": ("ExponentialFibres", "QuadraticFibres"),
+    "ngcell.mechanics.laws.mooney_rivlin": ("MooneyRivlin",),
+    "ngcell.mechanics.loading.ends": ("Ends",),
+    "ngcell.mechanics.loading.frame": ("Frame",),
+    "ngcell.mechanics.loading.plates": ("Plates",),
+    "ngcell.mechanics.lumens.fluid": ("Fluid",),
+    "ngcell.mechanics.lumens.inclusion": ("Inclusion",),
+    "ngcell.mechanics.lumens.pressure": ("CellPressure",),
+    "ngcell.mechanics.supports": ("PrescribedMotion", "Support"),
+    "ngcell.mechanics.symbolic": ("OwnEnergy",),
+    "ngcell.mechanics.term": ("Term",),
+    "ngcell.recording": ("Recording",),
+    "ngcell.results.observables.rotation": ("Rotation",),
+    "ngcell.results.quantities": ("View",),
+    "ngcell.run": ("inspect", "record", "resume", "simulate"),
+    "ngcell.scene": (
+        "Body", "BodyCase", "BodyExpected", "BodyForce", "BodyMeshChoice", "BodyScene", "BodySupport", "Case",
+        "Expected", "MeshChoice", "Pressure", "Refinement", "Traction", "read_case", "register",
+    ),
+    "ngcell.solve.options": ("SolverOptions",),
+    "ngcell.solve.strategies.load_stepping": ("LoadStepping",),
+    "ngcell.solve.strategies.sddp": ("Sddp",),
+    "ngcell.solve.strategies.single_step": ("SingleStep",),
+}  # fmt: skip
+_PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
 
 __all__ = [
     "Block",
     "Body",
     "BodyCase",
+    "BodyExpected",
     "BodyForce",
+    "BodyMeshChoice",
     "BodyScene",
     "BodySupport",
     "Case",
+    "CaseError",
+    "CellPressure",
     "Cohesion",
-    "ContactOptions",
     "CustomLaw",
+    "DependencyError",
     "Disc",
+    "Ends",
     "Expected",
     "ExponentialFibres",
+    "Fluid",
     "Frame",
+    "GeometryError",
+    "Inclusion",
+    "LoadStepping",
     "MeshChoice",
     "MooneyRivlin",
     "Mortar",
+    "NgcellError",
+    "NormalLaw",
+    "NotConverged",
+    "Options",
+    "OutputError",
+    "OwnEnergy",
     "Penalty",
     "Plates",
     "PolygonTissue",
+    "PrescribedMotion",
     "Pressure",
     "QuadraticFibres",
+    "Recording",
     "Refinement",
     "Ring",
+    "Rotation",
     "Sddp",
     "SingleStep",
+    "SolverOptions",
+    "Step",
+    "Support",
+    "Term",
     "Tissue",
     "Traction",
+    "View",
     "inspect",
     "read_case",
     "record",
@@ -78,20 +162,11 @@ __all__ = [
     "simulate",
 ]
 
-#: Where names come from that the scene does not offer.
-_HOMES = {
-    **dict.fromkeys(("inspect", "record", "resume", "simulate"), "ngcell.run"),
-    "ContactOptions": "ngcell.contact.methods.stages",
-    "CustomLaw": "ngcell.mechanics.laws.custom",
-    "PolygonTissue": "ngcell.geometry.tissues.polygons",
-}
-
 
 def __getattr__(name: str) -> Any:
-    # Loaded on first use: `import ngcell` and `ngcell --help` stay free of NGSolve's seconds.
-    if name not in __all__:
+    if name not in _PLACE_OF:
         raise AttributeError(f"module 'ngcell' has no attribute {name!r}")
-    return getattr(import_module(_HOMES.get(name, "ngcell.scene")), name)
+    return getattr(import_module(_PLACE_OF[name]), name)
 
 
 def __dir__() -> list[str]:

@@ -111,9 +111,13 @@ def inspect(case: AnyCase) -> dict[str, Any]:
         "three_cell_corners": count_corners(walls),
         "largest_initial_gap": float(gap.max(initial=0.0)),
         "largest_initial_overlap": float(max(0.0, -gap.min(initial=0.0))),
-        "penalty_stiffness": [float(f(simulation.contact.method.stiffness)) for f in (np.min, np.max)],
+        "penalty_stiffness": _extremes(getattr(simulation.contact, "stiffness", None)),
         "levels": list(case.level_factors),
         "matrix_entries": entries,
         "solver": solver,
         "memory_foreseen_gib": round(foreseen_memory(entries, solver), 2),
     }
+
+
+def _extremes(values: Any) -> list[float] | None:
+    return None if values is None else [float(np.min(values)), float(np.max(values))]

@@ -118,14 +118,14 @@ class Simulation:
         return (*stages, fused(self._terms))
 
     @cached_property
-    def _contact_stages(self) -> tuple[ContactTerm, ...]:
+    def _contact_stages(self) -> tuple[Term, ...]:
         """Contact, from the softest, which follows paths, to the one that is meant."""
         moduli = np.array([law.plane_strain_modulus for law in self.discretisation.walls])
         stages = self._case.contact.stages(self.walls, moduli, reach=self._reach, options=self.options.contact)
-        return tuple(ContactTerm(method) for method in stages)
+        return tuple(stage if isinstance(stage, Term) else ContactTerm(stage) for stage in stages)
 
     @property
-    def contact(self) -> ContactTerm:
+    def contact(self) -> Term:
         """Contact as it is meant."""
         return self._contact_stages[-1]
 
@@ -192,7 +192,7 @@ class Simulation:
     def _overlaps_at_rest(self) -> bool:
         """Whether walls overlap at rest, as for a press-fit."""
         at_rest = self.space.configuration(np.zeros(self.space.unknowns))
-        return self._contact_stages[-1].overlap(at_rest) > _TOUCHING * self.bodies.thickness
+        return (self.contact.overlap(at_rest) or 0.0) > _TOUCHING * self.bodies.thickness
 
     def _minimiser(self, problem: Problem, longest_step: float) -> Minimiser:
         volume = float(self.space.one @ self.space.scalar_mass @ self.space.one)

@@ -125,8 +125,8 @@ class InclusionEnergy(SymbolicTerm):
     def cell_fields(self, at: Configuration, load_factor: float) -> dict[str, Array]:
         """Return the mean pressure ``-trace(sigma) / 3`` in each lumen [stress].
 
-        The volumetric energy alone bears it: ``-kappa ln(J) / J``, averaged over the deformed area by the rule that this
-        energy is integrated with.
+        The volumetric energy alone bears it: ``-kappa ln(J) / J``, averaged over the deformed area by the rule that
+        this energy is integrated with.
         """
         bodies = self.space.bodies
         gradient = ngsolve.Id(self.space.dimension) + ngsolve.Grad(self.space.function(at.displacement))

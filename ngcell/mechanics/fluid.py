@@ -1,5 +1,5 @@
-"""An incompressible fluid in each lumen: its area, in three dimensions its volume, stays what it is told, and its pressure is part
-of the answer.
+"""An incompressible fluid in each lumen: its area, in three dimensions its volume, stays what it is told, and its
+pressure is part of the answer.
 
 The area of a lumen is half the integral of ``x cross dx`` around it, hence a quadratic function of the displacement;
 the volume of a closed lumen in three dimensions is a cubic one. Both are called area here.
@@ -46,8 +46,8 @@ class LumenFluids(Term):
     space : DisplacementSpace
         The unknowns.
     region : str
-        Boundary region of the lumens, a regular expression: one closed line, in three dimensions one closed surface, in each body
-        that has a lumen.
+        Boundary region of the lumens, a regular expression: one closed line, in three dimensions one closed surface, in
+        each body that has a lumen.
     modulus : float
         Bulk modulus r of the liquid that stands for the fluid along the way [stress], > 0.
     fill : float

@@ -1,7 +1,7 @@
 """Loads on boundaries and in bodies, which grow in proportion to the load factor, as energies.
 
-A *traction* t for each reference length (or area, in three dimensions) has the potential ``-integral of t . u``, and so has a
-*body force* for each reference area (or volume).
+A *traction* t for each reference length (or area, in three dimensions) has the potential ``-integral of t . u``, and so
+has a *body force* for each reference area (or volume).
 
 A *pressure* p > 0 pushes on the body as it deforms. With the outward normal N at rest, its force for each reference
 length is ``-p cof(F) N``, and its potential is p times what the loaded boundary sweeps; see `ngcell.mechanics.swept`.

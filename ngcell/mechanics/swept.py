@@ -3,7 +3,8 @@
 The pressure's potential is the pressure times that. A boundary that moves from X to X + u in a straight line sweeps
 
     integral of u . (N + cof(F) N) / 2                              in the plane,
-    integral of u . (N + (cof(F) N - N - cof(G) N) / 2 + cof(G) N / 3)     in three dimensions,    F = I + G, G = grad u,
+    integral of u . (N + (cof(F) N - N - cof(G) N) / 2 + cof(G) N / 3)     in three dimensions,    F = I + G, G = grad
+    u,
 
 with N the outward normal at rest; ``cof(F) N`` needs derivatives along the boundary only. The variation of this is the
 force ``cof(F) N`` plus a term at the boundary's rim that is linear in ``u x du``, so it vanishes where

@@ -97,7 +97,8 @@ class SymbolicTerm(Term):
         """Return the energy of a displacement, an NGSolve function, as integrals over regions of the mesh."""
 
     def beyond_integrals(self, displacement: Array) -> Array | None:
-        """Return what the gradient has besides the derivative of the integrals, shape (unknowns,); as a rule nothing."""
+        """Return what the gradient has besides the derivative of the integrals, shape (unknowns,); as a rule nothing.
+        """
         return None
 
     @cached_property
@@ -160,7 +161,8 @@ class OwnEnergy(SymbolicTerm):
     space : DisplacementSpace
         The unknowns.
     integrals : callable
-        Returns one integral, or several, of the displacement and the mesh: `lambda u, mesh: k/2 * u[0]**2 * ngsolve.ds(...)`.
+        Returns one integral, or several, of the displacement and the mesh: `lambda u, mesh: k/2 * u[0]**2 *
+        ngsolve.ds(...)`.
 
     Notes
     -----
@@ -182,7 +184,8 @@ def parts_of(terms: Sequence[Any]) -> tuple[Any, ...]:
 
 
 def fused(terms: Sequence[Term]) -> tuple[Term, ...]:
-    """Return terms with the same sum, in which all symbolic ones are one term, the first; it is left as it is if it is."""
+    """Return terms with the same sum, in which all symbolic ones are one term, the first; it is left as it is if it is.
+    """
     symbolic = [term for term in terms if isinstance(term, SymbolicTerm)]
     others = tuple(term for term in terms if not isinstance(term, SymbolicTerm))
     if len(symbolic) == 1 and isinstance(symbolic[0], SymbolicSum):

@@ -1,9 +1,9 @@
 """What a physical effect offers to the sum of all: the protocol of a term.
 
-The energy of a scene is a sum of terms: stored energy of bodies, loads, fluids, contact, cohesion, or a user's own. A term
-gives its value, gradient and tangent at a configuration. Where its energy has kinks of the form ``k/2 min(0, g)^2``, it
-hands these over as one-sided constraints, which the solver treats exactly. A term may have a history, which moves when a
-step is accepted and at no other time; multipliers, which are updated at equilibria; and reports.
+The energy of a scene is a sum of terms: stored energy of bodies, loads, fluids, contact, cohesion, or a user's own. A
+term gives its value, gradient and tangent at a configuration. Where its energy has kinks of the form ``k/2 min(0,
+g)^2``, it hands these over as one-sided constraints, which the solver treats exactly. A term may have a history, which
+moves when a step is accepted and at no other time; multipliers, which are updated at equilibria; and reports.
 
 A term of one's own derives from `Term` and defines `value`, `gradient` and `tangent`; all else has a default. An energy
 that NGSolve can express needs less: see `ngcell.mechanics.symbolic`.
@@ -130,7 +130,7 @@ class Interaction:
     normal: Array
 
 
-class Term(ABC):  # noqa: B024, B027 - what most terms have none of does nothing by default
+class Term(ABC):
     """One physical effect; every method but `value` and `gradient` has a default."""
 
     @property
@@ -169,8 +169,8 @@ class Term(ABC):  # noqa: B024, B027 - what most terms have none of does nothing
         return None if found is None else (found.keys, found.gap)
 
     def couplings(self, at: Configuration, margin: float) -> tuple[Index, Index]:
-        """Return rows and columns of scalar unknowns that `curvature` and `constraints` could couple while nothing moves
-        by more than half of `margin` [length]."""
+        """Return rows and columns of scalar unknowns that `curvature` and `constraints` could couple while nothing
+        moves by more than half of `margin` [length]."""
         return NO_ENTRIES
 
     def unstored(self, at: Configuration) -> float:

@@ -5,19 +5,19 @@ unique, not even in energy. The one that is meant is the end of the path of mini
 
     E(u) + weight/2 |u - centre|^2        (mass norm)
 
-from a large weight to a vanishing one. It is a release by a ramp: the proximal term sets the walls free little by little.
-The path starts at the minimum without contact, which is unique under a large weight: at the centre walls touch and
-corners meet corners, and it is the forces in the walls, not the round-off of a start, that decide which way they part.
-So the equilibrium follows from centre and energy alone, not from load steps or from where the bodies came from. In the
-limit, floating cells sit as near to the centre as contact allows. What the last proximal term still holds is measured and
-reported. Cells that hardly anything holds may cycle on corners of others without end: where the last stretch, from
-`enough` to `last`, takes longer than the way to it, or stalls, the path ends at `enough`.
+from a large weight to a vanishing one. It is a release by a ramp: the proximal term sets the walls free little by
+little. The path starts at the minimum without contact, which is unique under a large weight: at the centre walls touch
+and corners meet corners, and it is the forces in the walls, not the round-off of a start, that decide which way they
+part. So the equilibrium follows from centre and energy alone, not from load steps or from where the bodies came from.
+In the limit, floating cells sit as near to the centre as contact allows. What the last proximal term still holds is
+measured and reported. Cells that hardly anything holds may cycle on corners of others without end: where the last
+stretch, from `enough` to `last`, takes longer than the way to it, or stalls, the path ends at `enough`.
 
-Numbers (`ngcell.solve.options.ContinuationOptions`): the scale of the weight is shear modulus over cell size squared, which
-makes the path independent of units. At `first` the proximal term outweighs everything but the wall's own stiffness, and no
-pressure in the cells drives walls through each other before there is contact; at `last` it is below every stiffness but
-that of floating cells. In between it falls by `narrowest` decades a step, and by more where no wall closes or opens: a
-weight that falls faster leaves the path where cells come free, and ends on another equilibrium.
+Numbers (`ngcell.solve.options.ContinuationOptions`): the scale of the weight is shear modulus over cell size squared,
+which makes the path independent of units. At `first` the proximal term outweighs everything but the wall's own
+stiffness, and no pressure in the cells drives walls through each other before there is contact; at `last` it is below
+every stiffness but that of floating cells. In between it falls by `narrowest` decades a step, and by more where no wall
+closes or opens: a weight that falls faster leaves the path where cells come free, and ends on another equilibrium.
 """
 
 from __future__ import annotations

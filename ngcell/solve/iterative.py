@@ -1,11 +1,11 @@
 """Preconditioned conjugate gradients for scenes too large to factorise in one piece.
 
 Bodies are the natural subdomains: what couples them are closed walls only. So the preconditioner factorises each body
-by itself, proximal term and its side of the closed penalty terms included (additive Schwarz; Smith, Bjorstad & Gropp, Domain
-decomposition, 1996), and the penalty terms' other side, which no pattern has room for, acts through their derivatives. A
-body among closed penalty terms is held by them, so no coarse space is needed: rigid or affine modes of the cells spare no
-iteration on tissues in contact. In one tied solid bodies share unknowns: there each subdomain takes two layers of
-unknowns of its neighbours along, without which ten times as many iterations are needed.
+by itself, proximal term and its side of the closed penalty terms included (additive Schwarz; Smith, Bjorstad & Gropp,
+Domain decomposition, 1996), and the penalty terms' other side, which no pattern has room for, acts through their
+derivatives. A body among closed penalty terms is held by them, so no coarse space is needed: rigid or affine modes of
+the cells spare no iteration on tissues in contact. In one tied solid bodies share unknowns: there each subdomain takes
+two layers of unknowns of its neighbours along, without which ten times as many iterations are needed.
 
 Directions of negative curvature, met by the gradients or in a body, are told as a direct solver tells them to the
 minimiser: by a step that leads uphill.
@@ -122,7 +122,8 @@ class IterativeMatrix:
             row, column, data = row[mine], column[mine], data[mine]
             position, is_there = self._whole.find(row, column)
             blocks[position[is_there]] += data[is_there]
-            # What has no room, as where one penalty term pulls at many faces, counts on the diagonal: blocks stay definite.
+            # What has no room, as where one penalty term pulls at many faces, counts on the diagonal: blocks stay
+            # definite.
             row, column, weight = row[~is_there], column[~is_there], np.abs(data[~is_there])
             for end in (row, column):
                 np.add.at(blocks, self._whole.locate(end, end), weight)

@@ -1,10 +1,10 @@
 """Descent to a minimum of an energy with one-sided penalty terms: Newton's method with a proximal term.
 
 Each iteration minimises the second-order model of the energy plus ``damping/2 |d|^2`` in the mass norm. A step is taken
-if the energy falls by a fair share of what the model foresaw; if not, or if the model is not convex along it, the damping
-is raised and the model, still at hand, is minimised again. The damping falls with every good step and is exactly zero at
-the end, so it leaves no trace in the result. No component of a step is longer than `longest_step`: half of the distance
-in which contact is searched, so that no wall is passed unseen.
+if the energy falls by a fair share of what the model foresaw; if not, or if the model is not convex along it, the
+damping is raised and the model, still at hand, is minimised again. The damping falls with every good step and is
+exactly zero at the end, so it leaves no trace in the result. No component of a step is longer than `longest_step`: half
+of the distance in which contact is searched, so that no wall is passed unseen.
 
 Near the minimum differences of energies drown in round-off. There the model alone is trusted.
 """
@@ -184,8 +184,9 @@ class Minimiser:
         """Return a step that follows the curvature of gaps; None where it is of no use.
 
         Cells that slide or roll on each other move along curves. What the gaps after a step turned out to be beyond
-        their linear parts is added to the penalty terms, and the model is minimised again: a second-order correction. It wins
-        back what the penalty terms store beyond the model; where the energy that is `lacking` is more, it is not tried.
+        their linear parts is added to the penalty terms, and the model is minimised again: a second-order correction.
+        It wins back what the penalty terms store beyond the model; where the energy that is `lacking` is more, it is
+        not tried.
         """
         model, matrix = system
         if not np.isfinite(trial.energy) or not len(model.gap):

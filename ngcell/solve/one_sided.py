@@ -3,8 +3,8 @@
 Ordinary Newton sees only walls that overlap already; its step then drives many others into each other, and a line
 search has to stop it at the first of them. Here the quadratic model has the linearised gap of every near wall, and
 its minimum is found by Newton on this piecewise quadratic function with exact line searches: the set of closed
-walls changes inside the model, at the price of a factorisation, or of a solution for each penalty term where few of them
-change, and without evaluating a single element.
+walls changes inside the model, at the price of a factorisation, or of a solution for each penalty term where few of
+them change, and without evaluating a single element.
 """
 
 from __future__ import annotations
@@ -132,8 +132,8 @@ def minimise_one_sided(model: OneSidedModel, matrix: Matrix, options: InnerOptio
 class _Quadratics:
     """The quadratics in which some penalty terms act, and their minima.
 
-    One of them is factorised. Where few penalty terms have closed or opened since, what they add is a matrix of low rank, and
-    its inverse follows from that of the factorised one (Sherman-Morrison-Woodbury; Hager, SIAM Rev. 31, 1989,
+    One of them is factorised. Where few penalty terms have closed or opened since, what they add is a matrix of low
+    rank, and its inverse follows from that of the factorised one (Sherman-Morrison-Woodbury; Hager, SIAM Rev. 31, 1989,
     doi:10.1137/1031049).
     """
 
@@ -169,7 +169,8 @@ class _Quadratics:
     def _corrected(self, solution: Array, changed: Index, closes: NDArray[np.bool_]) -> Array | None:
         """Return a solution with these penalty terms closed, or else opened; None where digits are lost.
 
-        That is where a penalty term opens that alone held a body: what still holds it is the difference of large numbers.
+        That is where a penalty term opens that alone held a body: what still holds it is the difference of large
+        numbers.
         """
         if not len(changed):
             return solution

@@ -1,8 +1,8 @@
 """The solver's own numbers, as records that are handed down.
 
-None of them is meant for a case: a study shows that results do not depend on them. Lengths are shares of the longest step of
-the minimiser, energies and forces shares of what is at stake, weights of the proximal term multiples of the continuation's
-scale (`ngcell.solve.continuation`).
+None of them is meant for a case: a study shows that results do not depend on them. Lengths are shares of the longest
+step of the minimiser, energies and forces shares of what is at stake, weights of the proximal term multiples of the
+continuation's scale (`ngcell.solve.continuation`).
 """
 
 from __future__ import annotations
@@ -44,19 +44,20 @@ class MinimiserOptions:
     round_off, no_decrement : float
         Differences of energies below this share of the energy are round-off; so are such decrements.
     stalled, unseen, idle : float, float, int
-        A decrement below the share `stalled` of the energy, or below `unseen` times its round-off at rest, is lost once as
-        many iterations as `idle` left it at its lowest: forces are round-off, or steps go to and fro at a kink of the
-        energy, as where walls end at a corner of three cells. Fewer do not tell: where cells roll, it rests before it
-        falls again.
+        A decrement below the share `stalled` of the energy, or below `unseen` times its round-off at rest, is lost once
+        as many iterations as `idle` left it at its lowest: forces are round-off, or steps go to and fro at a kink of
+        the energy, as where walls end at a corner of three cells. Fewer do not tell: where cells roll, it rests before
+        it falls again.
     touching : float
         Gap below which a prediction keeps walls closed.
     noise : float
         Round-off of an energy at rest, as a share of the scale: there it is a difference of numbers of order one.
     most_refusals, most_iterations : int
-        Limits of one step and of one minimisation. Where rows of cells slide past others at once, it takes some hundreds.
+        Limits of one step and of one minimisation. Where rows of cells slide past others at once, it takes some
+        hundreds.
     margin, wide_margin : float
-        Room for contacts to come: what a matrix must have, and what a new one gets. It fills the matrix little, and a new
-        one costs as much as ten factorisations.
+        Room for contacts to come: what a matrix must have, and what a new one gets. It fills the matrix little, and a
+        new one costs as much as ten factorisations.
     most_direct : int
         Most unknowns of three-dimensional scenes that are solved for by a direct solver; in the plane all are.
     inner : InnerOptions
@@ -94,15 +95,15 @@ class ContinuationOptions:
     first, enough, last : float
         Weight at the start, where the continuation may end if need be, and at its end.
     first_overlapping : float
-        Weight at the start where walls overlap at rest: a larger one would hold them deep in each other, where the nearest
-        wall changes from point to point and the energy is not smooth.
+        Weight at the start where walls overlap at rest: a larger one would hold them deep in each other, where the
+        nearest wall changes from point to point and the energy is not smooth.
     narrowest, widest : float
         Decades by which the weight falls from one minimisation to the next, at least and at most.
     last_digit : float
         Length to which the place is rounded where a continuation begins.
     stiffen_at : float
-        Weight at which contact stiffens: walls have found their contact pairs there, and floating cells are still held well
-        enough to follow.
+        Weight at which contact stiffens: walls have found their contact pairs there, and floating cells are still held
+        well enough to follow.
     on_the_way, at_the_end : float
         Decrement at which a minimisation on the way, and the last one, ends: shares of the proximal energy.
     update : float
@@ -114,8 +115,8 @@ class ContinuationOptions:
     slow : float
         Share of what was missed before above which an update was slow.
     nothing : float
-        Share of the energy that is nothing: a decrement on the way, or what is missed where updates hardly help, as slivers
-        of walls bear nothing.
+        Share of the energy that is nothing: a decrement on the way, or what is missed where updates hardly help, as
+        slivers of walls bear nothing.
     """
 
     first: float = 1e3
@@ -168,8 +169,8 @@ class SolverOptions:
     minimiser, continuation, load_stepping
         Those of each method.
     direct_bulk, bulk_stage : float
-        Ratio of bulk to shear modulus up to which a law is followed as it is, and the factor between the stages beyond it:
-        there Newton's method crawls along the curved valley of constant volume.
+        Ratio of bulk to shear modulus up to which a law is followed as it is, and the factor between the stages beyond
+        it: there Newton's method crawls along the curved valley of constant volume.
     """
 
     minimiser: MinimiserOptions = field(default_factory=MinimiserOptions)

@@ -123,8 +123,8 @@ class Problem(Protocol):
         """Start from what the problem of the continuation stage before knows at an equilibrium of its own."""
 
     def update_multipliers(self, state: Any) -> tuple[float, float]:
-        """Update multipliers at an equilibrium; return the gap [length] by which it misses conditions that the energy only
-        approaches, and the energy that stands for what is missed; zeros where there are none."""
+        """Update multipliers at an equilibrium; return the gap [length] by which it misses conditions that the
+        energy only approaches, and the energy that stands for what is missed; zeros where there are none."""
 
     def increase_penalty(self) -> None:
         """Make updates miss less each time, at the price of an energy that is harder to minimise."""

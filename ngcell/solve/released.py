@@ -32,7 +32,8 @@ class Released:
     path : Continuation
         The path.
     is_alone : bool
-        Whether there is one body only: it touches nothing, and no path has to be followed unless the straight way fails.
+        Whether there is one body only: it touches nothing, and no path has to be followed unless the straight way
+        fails.
     is_mixed : bool
         Whether some bodies are stiffer than others. A decrement sees forces divided by stiffness, and would end with
         those on stiff bodies out of balance: there the last minimisation goes down to round-off.

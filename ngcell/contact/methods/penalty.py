@@ -140,10 +140,7 @@ class PenaltyContact:
     def couplings(self, positions: Array, margin: float) -> tuple[Index, Index]:
         """Return rows and columns of all scalar unknowns that contact could couple while nothing moves by more
         than half of `margin` [length]."""
-        near = adjacency(self.walls, self.walls.nodes(positions), self.reach + margin)
-        touches = self.walls.touches(positions.shape[1])
-        row, column = (touches.T @ near @ touches).tocoo().coords
-        return row.astype(np.int64), column.astype(np.int64)
+        return couplings_of_near_facets(self.walls, positions, self.reach + margin)
 
     def pressures(self, positions: Array, points: SurfacePoints) -> Array:
         """Return the contact pressure at points of the walls [stress]: the sum of that of both passes."""
@@ -200,3 +197,11 @@ def penalty_stiffness(walls: Surface, modulus_of_body: Array, multiple: float) -
     thinnest = np.full(len(modulus_of_body), np.inf)
     np.minimum.at(thinnest, walls.body, walls.depth)
     return np.asarray(multiple * (modulus_of_body / thinnest)[walls.body])
+
+
+def couplings_of_near_facets(walls: Surface, positions: Array, reach: float) -> tuple[Index, Index]:
+    """Return rows and columns of all scalar unknowns of facets that are the same, or nearer than `reach` [length]."""
+    near = adjacency(walls, walls.nodes(positions), reach)
+    touches = walls.touches(positions.shape[1])
+    row, column = (touches.T @ near @ touches).tocoo().coords
+    return row.astype(np.int64), column.astype(np.int64)

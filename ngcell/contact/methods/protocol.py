@@ -84,10 +84,11 @@ class ContactMethod(Protocol):
     def update_multipliers(
         self, contact: ContactSet, positions: Array, stored: Callable[[], float]
     ) -> tuple[float, float]:
-        """Update the multipliers from an equilibrium, whose stored energy `stored` returns; return what it still misses of conditions.
+        """Update the multipliers from an equilibrium, whose stored energy `stored` returns; return what it still misses
+        of conditions.
 
-        That is the largest gap [length], and the energy [stress * length**2] of the penalty terms that stand for the missed
-        gaps; both are 0 where there is nothing to be updated.
+        That is the largest gap [length], and the energy [stress * length**2] of the penalty terms that stand for the
+        missed gaps; both are 0 where there is nothing to be updated.
         """
 
     def increase_penalty(self) -> None:

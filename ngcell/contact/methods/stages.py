@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ngcell.contact.methods.protocol import ContactMethod
 from ngcell.contact.surface.surface import Surface
+from ngcell.mechanics.term import Term
 
 Array = NDArray[np.float64]
 
@@ -68,7 +69,7 @@ class ContactChoice(Protocol):
 
     def stages(
         self, walls: Surface, modulus_of_body: Array, *, reach: float, options: ContactOptions = DEFAULT_OPTIONS
-    ) -> tuple[ContactMethod, ...]:
+    ) -> tuple[ContactMethod | Term, ...]:
         """Return contact from the softest, with which continuation paths are followed, to the one that is meant.
 
         Parameters

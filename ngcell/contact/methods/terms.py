@@ -45,6 +45,11 @@ class ContactTerm(Term):
         """Contact acts between bodies."""
         return Role.INTERACTION
 
+    @property
+    def stiffness(self) -> Array:
+        """Stiffness of the penalty terms of each facet [stress / length], shape (facets,)."""
+        return self.method.stiffness
+
     def found(self, at: Configuration) -> ContactSet:
         """Return the contact pairs at a configuration."""
         return at.once(self, self.method.pair)
@@ -184,7 +189,8 @@ class CohesionTerm(Term):
         """Return the forces of the bonds, each on its first body."""
         pairs = self.bonds.kinematics.pairs
         force = -self.bonds.slopes(at.positions)[:, : len(at.positions)]
-        return Interaction(self.bonds.bodies, np.column_stack([pairs.primary, pairs.secondary]), force, np.zeros(len(force)))
+        facets = np.column_stack([pairs.primary, pairs.secondary])
+        return Interaction(self.bonds.bodies, facets, force, np.zeros(len(force)))
 
     def columns(self, at: Configuration) -> dict[str, float]:
         """Return the energy of separation, and the share of length that was never opened beyond its strength."""

@@ -34,8 +34,8 @@ class Ends(BaseModel):
     twist : float
         Angle by which the upper end is turned about the tissue's axis at load factor 1, in degrees, in (-180, 180).
     bend : float
-        Angle by which the upper end is tilted towards x at load factor 1, in degrees, in (-180, 180). Its centre goes to
-        where the tissue's axis ends when it is bent to a circular arc of its own length.
+        Angle by which the upper end is tilted towards x at load factor 1, in degrees, in (-180, 180). Its centre goes
+        to where the tissue's axis ends when it is bent to a circular arc of its own length.
     displacement : tuple of float, shape (3,)
         Displacement of the upper end at load factor 1, besides that of twist and bend; a length.
     levels : int or tuple of float
@@ -77,8 +77,8 @@ class Ends(BaseModel):
 
 
 class EndsMotion(PrescribedMotion):
-    """The lower end is held and the upper one moves rigidly; in between, the lifting moves, twists and tilts sections in
-    proportion to their height.
+    """The lower end is held and the upper one moves rigidly; in between, the lifting moves, twists and tilts sections
+    in proportion to their height.
 
     Parameters
     ----------

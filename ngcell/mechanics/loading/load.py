@@ -1,7 +1,7 @@
 """What a load of a tissue offers, and what several of them share: prisms whose ends are held, or under a pressure.
 
-A further load is one file beside this one and one line in `ngcell.scene.registry`; a script may hand over any object with
-these members.
+A further load is one file beside this one and one line in `ngcell.scene.registry`; a script may hand over any object
+with these members.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """What the contents of lumens offer, whatever they are. Without any, cells are hollow, and nothing is built for it.
 
-Further contents are one file beside this one and one line in `ngcell.scene.registry`; a script may hand over any object with
-these members.
+Further contents are one file beside this one and one line in `ngcell.scene.registry`; a script may hand over any object
+with these members.
 """
 
 from __future__ import annotations

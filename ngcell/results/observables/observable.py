@@ -22,7 +22,8 @@ class Observable(Protocol):
         """Name of the column of `history.csv`, and of the field."""
 
     def values(self, view: View) -> float | Array:
-        """Return a number, or one value a body, shape (bodies,), which becomes a field; the column is then their mean."""
+        """Return a number, or one value a body, shape (bodies,), which becomes a field; the column is then their mean.
+        """
 
 
 def observed(observables: Sequence[Observable], view: View) -> tuple[dict[str, float], Mapping[str, Array]]:

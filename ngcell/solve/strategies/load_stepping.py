@@ -64,8 +64,8 @@ class LoadStepping(BaseModel):
     Parameters
     ----------
     steps : int, optional
-        Smallest number of load steps, >= 1; by default one for each level of the load. The balance of energy asks for more
-        where it has to.
+        Smallest number of load steps, >= 1; by default one for each level of the load. The balance of energy asks for
+        more where it has to.
     """
 
     model_config = SECTION

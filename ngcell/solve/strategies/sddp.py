@@ -1,8 +1,8 @@
 """SDDP, the successive deformation decomposition procedure.
 
-At each level the tissue first deforms as one tied solid, then its walls are released from that state, which is the centre
-of the continuation. Tied states follow each other; every release starts from its own tied state, so a level does not depend
-on the levels before it.
+At each level the tissue first deforms as one tied solid, then its walls are released from that state, which is the
+centre of the continuation. Tied states follow each other; every release starts from its own tied state, so a level does
+not depend on the levels before it.
 
 References
 ----------

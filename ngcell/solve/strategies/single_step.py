@@ -1,7 +1,7 @@
 """Load and contact together: no tied solid is computed.
 
-The centre of the continuation is the lifting of the load. Where the load determines none, the state before is the centre,
-and the load path is followed in increments.
+The centre of the continuation is the lifting of the load. Where the load determines none, the state before is the
+centre, and the load path is followed in increments.
 """
 
 from __future__ import annotations

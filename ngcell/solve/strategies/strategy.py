@@ -1,7 +1,7 @@
 """What a strategy is given, and what it yields.
 
-A strategy yields the steps that it accepts, one after the other, and stops when one cannot be. It may be taken up after any
-number of them, from what it is told of the last.
+A strategy yields the steps that it accepts, one after the other, and stops when one cannot be. It may be taken up after
+any number of them, from what it is told of the last.
 """
 
 from __future__ import annotations
