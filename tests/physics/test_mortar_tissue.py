@@ -69,7 +69,7 @@ def test_k6_the_plates_pull_as_hard_as_walls_press_across_a_cut(contact, cut):
     simulation = Simulation(case(contact=contact))
     *_, accepted = simulation._accepted(Checkpoint())
     assembly, state, proximal = simulation.released, accepted.minimum.state, accepted.minimum.proximal
-    pull = proximal.strength * (assembly.mass @ (proximal.centre - state.displacement))
+    pull = proximal.weight * (assembly.mass @ (proximal.centre - state.displacement))
     support = assembly.reactions(assembly.gradient(state) - pull)
     above = np.arange(9) // 3 >= cut
     forces = contact_forces(assembly, state)
