@@ -10,10 +10,11 @@ from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.rings import ring_layers, ring_mesh
 from ngcell.mechanics.bulk import BodyEnergy, InclusionEnergy
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
-from ngcell.mechanics.lumens.pressure import cell_pressures
+from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
+from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.mechanics.symbolic import EnergyForm, SymbolicSum
-from ngcell.scene import CellPressure, Tissue
+from ngcell.scene import CellPressure, MeshChoice, Pressure, Tissue
 
 WALL, FILLING = MooneyRivlin(c1=1.0, c2=1.0, bulk_modulus=100.0), MooneyRivlin(c1=0.01, c2=0.0, bulk_modulus=100.0)
 
@@ -89,10 +90,19 @@ def density(law: MooneyRivlin, gradient: np.ndarray) -> float:
 
 def test_cells_under_the_same_pressure_share_a_region_and_empty_ones_have_no_load():
     tissue = Tissue(rows=2, cols=3, wall=0.1)
-    filling = cell_pressures(CellPressure(pressure=((0.0, 0.2, 0.1), (0.2, 0.2, 0.0))), tissue)
-    assert [cells.tolist() for cells in filling.regions.values()] == [[0, 5], [2], [1, 3, 4]]
-    assert [(load.boundary, load.value) for load in filling.loads] == [("lumen1", 0.1), ("lumen2", 0.2)]
-    assert len(cell_pressures(CellPressure(pressure=0.3), tissue).regions) == 1
+    lumen = CellPressure(pressure=((0.0, 0.2, 0.1), (0.2, 0.2, 0.0)))
+    regions = lumen.regions(tissue)
+    assert [cells.tolist() for cells in regions.values()] == [[0, 5], [2], [1, 3, 4]]
+    space = DisplacementSpace(tissue.mesh("plates", MeshChoice(size=0.5), regions), 2)
+    (term,) = lumen.terms(space, PrescribedMotion(space, []), tissue, WALL)
+    term.apply(1.0)
+    at = space.configuration(0.01 * np.random.default_rng(5).standard_normal(space.unknowns))
+    alone = BoundaryLoads(space, [Pressure("lumen1", 0.1), Pressure("lumen2", 0.2)], PrescribedMotion(space, []))
+    alone.apply(1.0)
+    assert term.value(at) != 0 and term.value(at) == pytest.approx(alone.value(at), rel=1e-12)
+    assert not np.any(term.gradient(at)[np.isin(np.tile(space.body_of_unknown, 2), [0, 5])])
+    assert term.cell_fields(at, 1.0)["cell_pressure"].tolist() == [0.0, 0.2, 0.1, 0.2, 0.2, 0.0]
+    assert len(CellPressure(pressure=0.3).regions(tissue)) == 1
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])

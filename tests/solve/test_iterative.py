@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
+from ngcell.build.options import Options
 from ngcell.build.simulation import Simulation
 from ngcell.solve import system
 from ngcell.solve.iterative import RESIDUAL, IterativeMatrix
@@ -14,7 +15,7 @@ from ngcell.solve.options import MinimiserOptions, SolverOptions
 from tests.prisms import case
 
 #: Whatever the number of unknowns, solids are solved by iterations.
-ITERATIVE = SolverOptions(minimiser=MinimiserOptions(most_direct=0))
+ITERATIVE = Options(solver=SolverOptions(minimiser=MinimiserOptions(most_direct=0)))
 
 
 class Bodies:
