@@ -23,7 +23,7 @@ from ngcell.mechanics.space import DisplacementSpace, csr_matrix
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.mechanics.swept import swept_by
 from ngcell.scene import BodyForce, Pressure, Traction
-from ngcell.scene.bodies import check_dimension
+from ngcell.scene.entries import check_dimension
 
 Array = NDArray[np.float64]
 Load = Pressure | Traction | BodyForce

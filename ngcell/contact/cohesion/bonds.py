@@ -84,7 +84,7 @@ class Bonds:
         """Return the openings [length], >= 0, shape (bonds,)."""
         a, *_ = self.kinematics.vectors(positions)
         height = np.minimum(self.kinematics.gaps(positions), 0)
-        return np.sqrt(np.maximum((a**2).sum(1) - height**2, 0))
+        return np.asarray(np.sqrt(np.maximum((a**2).sum(1) - height**2, 0)))
 
     def energy(self, positions: Array) -> float:
         """Return the energy of the increment: what is stored in bonds, plus all that has been spent on them."""

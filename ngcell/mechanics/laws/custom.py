@@ -67,7 +67,7 @@ class CustomLaw:
         at_rest = self._first_piola(np.eye(3)[None])[0]
         if not (np.isfinite(at_rest).all() and self.shear_modulus > 0 and self.bulk_modulus > 0):
             raise CaseError(
-                f"energy of a law: shear modulus {self.shear_modulus:g} and bulk modulus {self.bulk_modulus:g} at rest; "
+                f"energy of a law: at rest shear modulus {self.shear_modulus:g}, bulk modulus {self.bulk_modulus:g}; "
                 "allowed: finite numbers > 0"
             )
         if np.abs(at_rest).max() > _AT_REST * self.shear_modulus:
