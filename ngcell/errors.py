@@ -36,7 +36,7 @@ class GeometryError(CaseError):
 
 
 class NotConverged(NgcellError):  # noqa: N818 - named as what is reported, not as a mistake
-    """The load stepping ended before the last level.
+    """The load path was not followed to its last level.
 
     Parameters
     ----------

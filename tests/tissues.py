@@ -2,26 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from types import SimpleNamespace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
-from ngcell.contact.surface.find import find_surface
-from ngcell.contact.surface.surface import Surface
+from ngcell.contact.methods.protocol import ContactSet
+from ngcell.contact.methods.terms import ContactTerm
+from ngcell.contact.surface.walls import Walls, find_walls
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.lattice import Lattice, hexagonal_lattice
 from ngcell.geometry.rings import ring_mesh
-from ngcell.mechanics.bulk import BulkEnergy
-from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
+from ngcell.mechanics.bulk import BodyEnergy
+from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
-from ngcell.problem.assembly import Assembly
-from ngcell.problem.state import Linearisation
+from ngcell.problem.problem import Problem
+from ngcell.problem.state import Linearisation, State
 from ngcell.problem.tie import Tie, tie_walls
 from ngcell.solve.minimise import Minimiser
+from ngcell.solve.released import Released
+from ngcell.solve.step import Accepted, Motion
+from ngcell.solve.strategies.single_step import SingleStep
+from ngcell.solve.strategies.strategy import Progress, Task
 
 Array = NDArray[np.float64]
 
@@ -44,8 +51,8 @@ class SmallTissue:
         return find_surface(self.bodies, self.space.scalar, self.space.rest)
 
     @cached_property
-    def bulk(self) -> BulkEnergy:
-        return BulkEnergy(self.space, [LAW] * self.bodies.body_count)
+    def bulk(self) -> BodyEnergy:
+        return BodyEnergy(self.space, [LAW] * self.bodies.body_count)
 
     @cached_property
     def contact(self) -> PenaltyContact:
@@ -57,19 +64,20 @@ class SmallTissue:
         return tie_walls(self.walls, self.space.size)
 
     @cached_property
-    def released(self) -> Assembly:
-        return Assembly(self.space, self.bulk, self.motion.fixed, contact=self.contact)
+    def released(self) -> Problem:
+        return Problem(self.space, [self.bulk, ContactTerm(self.contact)], self.motion.fixed)
 
     @cached_property
-    def tied(self) -> Assembly:
-        return Assembly(self.space, self.bulk, self.motion.fixed, tie=self.tie)
+    def tied(self) -> Problem:
+        return Problem(self.space, [self.bulk], self.motion.fixed, tie=self.tie)
 
     @property
     def volume(self) -> float:
         return float(self.space.one @ self.space.scalar_mass @ self.space.one)
 
-    def minimiser(self, problem: Assembly) -> Minimiser:
-        longest = LONGEST_STEP if problem.contact is not None else np.inf
+    def minimiser(self, problem: Problem) -> Minimiser:
+        has_contact = any(isinstance(term, ContactTerm) for term in problem.terms)
+        longest = LONGEST_STEP if has_contact else np.inf
         return Minimiser(problem, longest, energy_scale=LAW.shear_modulus * self.volume)
 
     def positions(self, displacement: Array) -> Array:
@@ -143,8 +151,25 @@ def _vertices(space: DisplacementSpace, region: str) -> NDArray[np.int64]:
     return unknowns[space.one[unknowns] > 0]
 
 
-def dense_stiffness(problem: Assembly, line: Linearisation) -> Array:
-    """The whole tangent as a full matrix: bulk, curvature of the contacts, penalty terms of closed ones."""
+def contact_term(problem: Problem) -> ContactTerm:
+    """The term of a problem that keeps bodies apart."""
+    (term,) = (term for term in problem.terms if isinstance(term, ContactTerm))
+    return term
+
+
+def contact_set(problem: Problem, state: State) -> ContactSet:
+    """The contact pairs of a state."""
+    return contact_term(problem).found(state.at)
+
+
+def single_step(released: Released, motion: Motion, *, steps: Sequence[float]) -> Iterator[Accepted]:
+    """Equilibria with contact at load factors, one after the other."""
+    task = Task(SimpleNamespace(tied=(), released=released), motion, steps, steps)
+    return SingleStep().follow(task, Progress())
+
+
+def dense_stiffness(problem: Problem, line: Linearisation) -> Array:
+    """The whole tangent as a full matrix: bodies, curvature of the contacts, penalty terms of closed ones."""
     rows, columns = problem.pattern
     size = len(problem.free)
     matrix = np.zeros((size, size))
@@ -152,6 +177,5 @@ def dense_stiffness(problem: Assembly, line: Linearisation) -> Array:
     matrix = matrix + np.tril(matrix, -1).T
     if line.curvature is not None:
         matrix += line.curvature.toarray()
-        closed = line.jacobian[np.flatnonzero(line.gap < 0)].toarray()
-        matrix += closed.T @ (line.penalty[line.gap < 0][:, None] * closed)
-    return matrix
+    closed = line.jacobian[np.flatnonzero(line.gap < 0)].toarray()
+    return matrix + closed.T @ (line.penalty[line.gap < 0][:, None] * closed)

@@ -18,7 +18,7 @@ from threadpoolctl import threadpool_limits
 from ngcell.build.discretisation import draw_up
 from ngcell.build.observation import Step
 from ngcell.build.simulation import Simulation
-from ngcell.contact.surface.walls import WallPoints
+from ngcell.contact.surface.surface import SurfacePoints
 from ngcell.results.quantities import View
 
 Array = NDArray[np.float64]
@@ -152,17 +152,17 @@ class Solution:
         """Return the contact forces on the walls of a body."""
         walls = self._simulation.walls
         points = walls.quadrature
-        mine = walls.body[points.edge] == body
-        place = walls.places(points.edge, points.xi, walls.rest)
+        mine = walls.body[points.facet] == body
+        place = walls.places(points.facet, points.xi, walls.rest)
         return WallSamples(place[mine], (self._pressures(points) * points.weight)[mine])
 
     def pressures_between_cells(self, places: Array) -> Array:
         """Return the pressures at these places of each wall edge that faces another cell [stress]."""
-        edge = np.unique(self._simulation.scene.facing.edge)
+        edge = np.unique(self._simulation.scene.facing.facet)
         count = len(places) * len(edge)
-        return self._pressures(WallPoints(np.repeat(edge, len(places)), np.tile(places, len(edge)), np.zeros(count)))
+        return self._pressures(SurfacePoints(np.repeat(edge, len(places)), np.tile(places, len(edge)), np.zeros(count)))
 
-    def _pressures(self, points: WallPoints) -> Array:
+    def _pressures(self, points: SurfacePoints) -> Array:
         released = self._simulation.released
         return released.contact.pressures(released.positions(self.last.displacement), points)
 

@@ -1,137 +1,103 @@
-"""What a scene asks for, after meshing; a tissue, user-defined bodies and own bodies from Python differ in this only."""
+"""From a scene to its mesh, its unknowns, its supports and the terms of its energy, contact and cohesion aside.
+
+A tissue, user-defined bodies of a case and those of a script differ in this only.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.errors import CaseError
-from ngcell.geometry.bodies import LUMEN, BodyMesh
+from ngcell.geometry.bodies import BodyMesh
+from ngcell.geometry.prisms import along_and_up
 from ngcell.geometry.rings import along_walls
 from ngcell.geometry.shapes import check_boundaries, mesh_shapes
-from ngcell.mechanics.filling import cell_pressures
+from ngcell.mechanics.bulk import BodyEnergy
 from ngcell.mechanics.laws.law import HyperelasticLaw
-from ngcell.mechanics.loading import end_loads, moved_region, prescribed_plate_displacement, prescribed_motion
 from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
-from ngcell.scene import (
-    Body,
-    BodyCase,
-    BodyForce,
-    BodyScene,
-    Case,
-    CellPressure,
-    Fluid,
-    Inclusion,
-    Sddp,
-)
+from ngcell.mechanics.term import Term
+from ngcell.scene import Body, BodyCase, BodyForce, BodyScene, Case
 
-if TYPE_CHECKING:
-    from ngcell.mechanics.fluid import LumenFluids
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class Discretisation:
-    """What a scene asks for, after meshing.
+    """A scene after meshing.
 
     Attributes
     ----------
-    bodies : BodyMesh
-        The mesh.
     space : DisplacementSpace
-        The unknowns on it.
-    laws : tuple of HyperelasticLaw
-        Law of each body.
+        The unknowns, on the mesh of all bodies.
+    walls : tuple of HyperelasticLaw
+        Law of the wall of each body.
+    solids : tuple of HyperelasticLaw
+        All laws, those of what fills lumens included.
     motion : PrescribedMotion
         The supports.
     moved : str
         Region whose force and displacement are reported; a regular expression.
-    prescribed displacement : array of float, shape (dimension,)
+    prescribed_displacement : array of float, shape (dimension,)
         Displacement of that region at load factor 1 [length].
-    compact_first : bool
-        Whether the bodies are loaded as one tied solid before they are released.
-    loads : BoundaryLoads, optional
-        What pushes and pulls besides the supports.
-    filling : HyperelasticLaw, optional
-        Law of what fills the lumens.
-    fluid : LumenFluids, optional
-        Fluids in the lumens.
-    fibre_direction : array of float, shape (elements, 2), in three dimensions (elements, 6), optional
-        Direction in the plane from which angles of fibres are measured, and in three dimensions that towards which they are.
-    cell_pressure : array of float, shape (bodies,), optional
-        Pressures that cells are under at load factor 1 [stress].
+    terms : tuple of Term
+        What the energy consists of, besides contact and cohesion.
     """
 
-    bodies: BodyMesh
     space: DisplacementSpace
-    laws: tuple[HyperelasticLaw, ...]
+    walls: tuple[HyperelasticLaw, ...]
+    solids: tuple[HyperelasticLaw, ...]
     motion: PrescribedMotion
     moved: str
-    prescribed_displacement: NDArray[np.float64]
-    tied_first: bool
-    loads: BoundaryLoads | None = None
-    filling: HyperelasticLaw | None = None
-    fluid: LumenFluids | None = None
-    fibre_direction: NDArray[np.float64] | None = None
-    cell_pressure: NDArray[np.float64] | None = None
+    prescribed_displacement: Array
+    terms: tuple[Term, ...]
 
 
-def draw_up(scene: Case | BodyCase | BodyScene) -> Discretisation:
-    """Mesh a scene and say what moves."""
+def discretise(scene: Case | BodyCase | BodyScene) -> Discretisation:
+    """Mesh a scene, and say what moves and what acts.
+
+    Raises
+    ------
+    CaseError
+        If the scene cannot be meshed, or a load has no potential.
+    """
     if isinstance(scene, Case):
-        return _tissue_discretisation(scene)
-    return _body_discretisation(_drawn(scene) if isinstance(scene, BodyCase) else scene)
+        return _tissue(scene)
+    return _bodies(_user_defined(scene) if isinstance(scene, BodyCase) else scene)
 
 
-def _tissue_discretisation(case: Case) -> Discretisation:
-    lumen = case.lumen
-    pressures = cell_pressures(lumen, case.tissue) if isinstance(lumen, CellPressure) else None
-    bodies = case.tissue.mesh(
-        case.load.supported,
-        case.mesh,
-        pressures.regions if pressures else None,
-        filled=isinstance(lumen, Inclusion),
-    )
+def _tissue(case: Case) -> Discretisation:
+    tissue, lumen, load, wall = case.tissue, case.lumen, case.load, case.material
+    regions, solid = (None, None) if lumen is None else (lumen.regions(tissue), lumen.solid)
+    bodies = tissue.mesh(load.supported, case.mesh, regions, filled=solid is not None)
     space = DisplacementSpace(bodies, case.mesh.order)
-    motion, loads = prescribed_motion(space, case.load), None
-    applied = [*(pressures.loads if pressures else ()), *end_loads(case.load)]
-    if applied:
-        loads = BoundaryLoads(space, applied, motion, in_full=pressures is not None and lumen.ramp == "first")
+    motion, tractions = load.motion(space), load.tractions()
+    directions = None if wall.fibres is None else _wall_directions(bodies)
+    terms: list[Term] = [BodyEnergy(space, (wall,) * bodies.body_count, directions)]
+    if lumen is not None:
+        terms += lumen.terms(space, motion, tissue, wall)
+    if tractions:
+        terms.append(BoundaryLoads(space, tractions, motion))
     return Discretisation(
-        bodies=bodies,
         space=space,
-        laws=(case.material,) * bodies.body_count,
+        walls=(wall,) * bodies.body_count,
+        solids=(wall,) if solid is None else (wall, solid),
         motion=motion,
-        moved=moved_region(case.load),
-        prescribed_displacement=prescribed_plate_displacement(space, case.load),
-        tied_first=isinstance(case.strategy, Sddp),
-        loads=loads,
-        filling=lumen.material if isinstance(lumen, Inclusion) else None,
-        fibre_direction=_wall_directions(bodies) if case.material.fibres else None,
-        cell_pressure=pressures.pressure if pressures else None,
-        fluid=_fluids(space, lumen, case.material) if isinstance(lumen, Fluid) else None,
+        moved=load.moved,
+        prescribed_displacement=load.prescribed_displacement(space),
+        terms=tuple(terms),
     )
 
 
-def _wall_directions(bodies: BodyMesh) -> NDArray[np.float64]:
-    if bodies.dimension == 2:
-        return along_walls(bodies.mesh)
-    from ngcell.geometry.prisms import along_and_up
-
-    return along_and_up(bodies)
+def _wall_directions(bodies: BodyMesh) -> Array:
+    return along_walls(bodies.mesh) if bodies.dimension == 2 else along_and_up(bodies)
 
 
-def _fluids(space: DisplacementSpace, lumen: Fluid, wall: HyperelasticLaw) -> LumenFluids:
-    from ngcell.mechanics.fluid import LumenFluids
-
-    return LumenFluids(space, LUMEN, modulus=wall.shear_modulus, fill=lumen.fill, in_full=lumen.ramp == "first")
-
-
-def _drawn(case: BodyCase) -> BodyScene:
+def _user_defined(case: BodyCase) -> BodyScene:
     """Return the scene of a case, with the faces that it describes."""
     bodies = []
     for body in case.bodies:
@@ -151,7 +117,31 @@ def _drawn(case: BodyCase) -> BodyScene:
     )
 
 
-def _body_discretisation(scene: BodyScene) -> Discretisation:
+def _bodies(scene: BodyScene) -> Discretisation:
+    bodies = _mesh(scene)
+    space = DisplacementSpace(bodies, scene.order)
+    given = [support.of_bodies(space.dimension) for support in scene.supports]
+    supports = [
+        Support(support.boundary, np.array(support.gradient), np.array(support.translation), support.components)
+        for support in given
+    ]
+    moving = [support for support in given if support.moves]
+    motion, laws = PrescribedMotion(space, supports), tuple(body.material for body in scene.bodies)
+    terms: list[Term] = [BodyEnergy(space, laws, _fibre_directions(scene, bodies))]
+    if scene.loads:
+        terms.append(BoundaryLoads(space, scene.loads, motion))
+    return Discretisation(
+        space=space,
+        walls=laws,
+        solids=laws,
+        motion=motion,
+        moved="|".join(scene.moved_boundaries) or "none",
+        prescribed_displacement=np.array(moving[0].translation if moving else (0.0,) * space.dimension),
+        terms=tuple(terms),
+    )
+
+
+def _mesh(scene: BodyScene) -> BodyMesh:
     untouched = [edge for body in scene.bodies for edge in body.untouched]
     bodies = mesh_shapes(
         [body.shape for body in scene.bodies],
@@ -163,30 +153,12 @@ def _body_discretisation(scene: BodyScene) -> Discretisation:
     )
     check_boundaries(bodies, untouched, wanted_by="untouched edge")
     check_boundaries(bodies, [support.boundary for support in scene.supports])
-    applied = [load.boundary for load in scene.loads if not isinstance(load, BodyForce)]
-    check_boundaries(bodies, applied, wanted_by="load")
-    space = DisplacementSpace(bodies, scene.order)
-    given = [support.of_bodies(space.dimension) for support in scene.supports]
-    supports = [
-        Support(support.boundary, np.array(support.gradient), np.array(support.translation), support.components)
-        for support in given
-    ]
-    moving = [support for support in given if support.moves]
-    motion = PrescribedMotion(space, supports)
-    return Discretisation(
-        bodies=bodies,
-        space=space,
-        laws=tuple(body.material for body in scene.bodies),
-        motion=motion,
-        moved="|".join(scene.moved_boundaries) or "none",
-        prescribed_displacement=np.array(moving[0].translation if moving else (0.0,) * space.dimension),
-        tied_first=False,
-        loads=BoundaryLoads(space, scene.loads, motion) if scene.loads else None,
-        fibre_direction=_fibre_directions(scene, bodies),
-    )
+    loaded = [load.boundary for load in scene.loads if not isinstance(load, BodyForce)]
+    check_boundaries(bodies, loaded, wanted_by="load")
+    return bodies
 
 
-def _fibre_directions(scene: BodyScene, bodies: BodyMesh) -> NDArray[np.float64] | None:
+def _fibre_directions(scene: BodyScene, bodies: BodyMesh) -> Array | None:
     """Return the direction of each element of user-defined bodies; None where none has fibres."""
     given = [body.material.fibres for body in scene.bodies]
     if not any(given):
@@ -198,5 +170,6 @@ def _fibre_directions(scene: BodyScene, bodies: BodyMesh) -> NDArray[np.float64]
         if fibres is not None and fibres.direction is None:
             raise CaseError(f"{body.name}: its fibres have no direction; allowed: a vector in the plane")
         if fibres is not None:
-            directions[number] = fibres.direction / np.linalg.norm(fibres.direction)
+            direction = np.array(fibres.direction)
+            directions[number] = direction / np.linalg.norm(direction)
     return directions[bodies.body_of_element]

@@ -12,34 +12,34 @@ from __future__ import annotations
 
 import numpy as np
 
-from ngcell.problem.assembly import Assembly
-from ngcell.solve.minimise import WIDE_MARGIN, is_iterative
+from ngcell.problem.problem import Problem
+from ngcell.solve.minimise import Minimiser
 
 #: Memory for each entry [byte], of the direct and of the iterative solver, and of a run of hardly any [GiB].
 _FOR_AN_ENTRY = {"direct": 420, "iterative": 480}
 _AT_LEAST = 0.25
 
 
-def solver_name(assembly: Assembly) -> str:
+def solver_name(minimiser: Minimiser) -> str:
     """Return "direct" or "iterative", whichever solves for the bodies."""
-    return "iterative" if is_iterative(assembly) else "direct"
+    return "iterative" if minimiser.is_iterative else "direct"
 
 
-def entry_count(assembly: Assembly, longest_step: float) -> int:
+def entry_count(problem: Problem, minimiser: Minimiser) -> int:
     """Return the number of entries of the matrix that a release starts with, lower triangle only.
 
     Parameters
     ----------
-    assembly : Assembly
+    problem : Problem
         The released bodies.
-    longest_step : float
-        Longest step of the minimiser [length].
+    minimiser : Minimiser
+        Their minimiser.
     """
-    parts = [assembly.pattern]
-    if not is_iterative(assembly):
-        rest = assembly.at(np.zeros(assembly.space.unknowns))
-        parts.append(assembly.couplings(rest, WIDE_MARGIN * longest_step))
-    return len(np.unique(np.concatenate([row * assembly.space.unknowns + column for row, column in parts])))
+    parts = [problem.pattern]
+    if not minimiser.is_iterative:
+        rest = problem.at(np.zeros(problem.space.unknowns))
+        parts.append(problem.couplings(rest, minimiser.options.wide_margin * minimiser.longest_step))
+    return len(np.unique(np.concatenate([row * problem.space.unknowns + column for row, column in parts])))
 
 
 def foreseen_memory(entries: int, solver: str = "direct") -> float:

@@ -4,26 +4,38 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.problem.assembly import Assembly
+from ngcell.build.checkpoint import Checkpoint
 from ngcell.geometry.bodies import BodyMesh
-from ngcell.results.cells import CellComponents, cell_pressures, cell_records, debonding, find_components
-from ngcell.results.fields import take_snapshot
+from ngcell.problem.problem import Problem
+from ngcell.problem.reports import cell_fields
+from ngcell.problem.state import State
+from ngcell.results.cells import cell_records, debonding
+from ngcell.results.fields import Label, take_snapshot
 from ngcell.results.finding import Finding, compare
-from ngcell.results.measure import Measurement, Scene, WorkPoint, measure, pair_gaps, parted_pairs, wall_records
+from ngcell.results.measure import Measurement, Setup, measure
+from ngcell.results.observables.observable import Observable, observed
 from ngcell.results.onset import PairOnsets
 from ngcell.results.quantities import View
 from ngcell.results.record import CellRecord, StepRecord, WallRecord
 from ngcell.results.report import StepReport
 from ngcell.results.snapshot import Snapshot
 from ngcell.results.surface import wall_fields
+from ngcell.results.walls import (
+    CellComponents,
+    find_components,
+    opened_share,
+    pair_gaps,
+    parted_pairs,
+    wall_records,
+)
 from ngcell.scene.expected import BodyExpected, Expected
 from ngcell.solve.effort import Effort
 from ngcell.solve.step import Accepted
-from ngcell.build.checkpoint import Checkpoint
 
 Array = NDArray[np.float64]
 
@@ -85,7 +97,7 @@ class Observer:
 
     Parameters
     ----------
-    scene : Scene
+    setup : Setup
         Walls, facing pairs, and what moves.
     bodies : BodyMesh
         The mesh.
@@ -93,129 +105,129 @@ class Observer:
         Load factors that fields and walls are reported at.
     expected : sequence of Expected or BodyExpected
         What the case expects.
-    cell_pressure : array of float, shape (bodies,), optional
-        Full pressure in each cell [stress], where it is given.
+    observables : sequence of Observable
+        What is measured besides.
     """
 
     def __init__(
         self,
-        scene: Scene,
+        setup: Setup,
         bodies: BodyMesh,
         *,
         levels: Sequence[float],
-        expected: Sequence[Expected | BodyExpected],
-        cell_pressure: Array | None,
+        expected: Sequence[Expected | BodyExpected] = (),
+        observables: Sequence[Observable] = (),
     ) -> None:
-        self._scene, self._bodies = scene, bodies
-        self._levels, self._expected, self._given = levels, expected, cell_pressure
+        self._setup, self._bodies = setup, bodies
+        self._levels, self._expected, self._observables = levels, expected, observables
 
-    def step(
-        self,
-        accepted: Accepted,
-        assembly: Assembly,
-        checkpoint: Checkpoint,
-        memory: dict[str, Array] | None,
-        seconds: float,
-    ) -> Step:
-        """Return what is reported of a step that follows where the continuation was checkpoint.
+    def step(self, accepted: Accepted, problem: Problem, checkpoint: Checkpoint, seconds: float) -> Step:
+        """Return what is reported of a step that follows a checkpoint.
 
         Parameters
         ----------
         accepted : Accepted
             The step.
-        assembly : Assembly
+        problem : Problem
             The problem that it solves.
         checkpoint : Checkpoint
-            Where the continuation stood before it.
-        memory : dict of array, optional
-            What terms with a memory keep of it.
+            The one before it.
         seconds : float
             What it took, on the clock.
         """
-        measured = self._measure(accepted, assembly, checkpoint.work.get(accepted.phase))
-        after = checkpoint.after(accepted.phase, accepted.minimum.state.displacement, measured.work, memory)
-        components = find_components(self._scene, assembly, measured)
+        measured = self._measure(accepted, problem, checkpoint)
+        after = checkpoint.after(accepted.phase, accepted.minimum.state.displacement, measured.work)
+        view = View(problem, _state(accepted), self._setup.walls, self._setup.motion, measured.reaction)
+        columns, fields = observed(self._observables, view)
+        components = self._components(problem, measured)
         record = self._record(checkpoint.count, accepted, measured, components, seconds)
-        displacement = assembly.expand(accepted.minimum.state.displacement)
+        record = replace(record, more={**record.more, **columns})
+        step = Step(record, [], [], measured, view.state.at.displacement, None, [], after, accepted.effort)
         is_level = any(np.isclose(accepted.load_factor, level) for level in self._levels)
         if accepted.phase == "tied" or not is_level:
-            return Step(record, [], [], measured, displacement, None, [], after, accepted.effort)
-        thickness, facing = self._bodies.thickness, self._scene.facing
-        held = self._cell_pressure(assembly, displacement, measured)
-        onsets = after.onsets or PairOnsets.closed(len(facing.pairs))
-        onsets = onsets.after(record.plate_displacement, pair_gaps(facing, measured), thickness)
-        view = View(assembly, accepted.minimum.state, self._scene.motion, measured.reaction)
-        gap, pressure = wall_fields(self._scene.walls, facing, assembly, accepted.minimum.state)
+            return step
+        return self._with_fields(step, view, components, fields)
+
+    def _with_fields(self, step: Step, view: View, components: CellComponents, fields: Any) -> Step:
+        """Return a step at a level, with fields, rows of walls and cells, and expected numbers."""
+        record, measured, facing = step.record, step.measurement, self._setup.facing
+        onsets = step.checkpoint.onsets or PairOnsets.closed(len(facing.pairs))
+        thickness, at = self._bodies.thickness, view.state.at
+        onsets = onsets.after(record.plate_displacement, pair_gaps(facing, measured.gap), thickness)
+        gap, pressure = wall_fields(self._setup.walls, facing, view.problem, at)
+        held = cell_fields(view.problem.terms, at, record.load_factor)
+        free = np.isin(np.arange(self._bodies.body_count), measured.free_bodies).astype(np.int64)
         snapshot = take_snapshot(
-            assembly,
-            displacement,
-            walls=self._scene.walls,
-            step=record.step,
-            load_factor=accepted.load_factor,
-            plate_displacement=record.plate_displacement,
-            gap=gap,
-            contact_pressure=pressure,
-            free_bodies=frozenset(measured.free_bodies),
-            cell_pressure=held,
+            view.problem,
+            at,
+            Label(record.step, record.load_factor, record.plate_displacement),
+            walls=self._setup.walls,
+            wall_data={"gap": gap, "contact_pressure": pressure},
+            body_data={"free": free, **held, **fields},
         )
-        return Step(
-            record,
-            wall_records(self._scene, measured, record.step, thickness, onsets.onset),
-            cell_records(components, measured, record.step, record.plate_displacement, held),
-            measured,
-            displacement,
-            snapshot,
-            list(compare(self._expected, record, view, self._levels[-1])),
-            replace(after, onsets=onsets),
-            accepted.effort,
+        cells = cell_records(components, measured, record.step, record.plate_displacement, held.get("cell_pressure"))
+        return replace(
+            step,
+            walls=wall_records(facing, measured, record.step, thickness, onsets.onset),
+            cells=cells,
+            snapshot=snapshot,
+            findings=list(compare(self._expected, record, view, self._levels[-1])),
+            checkpoint=replace(step.checkpoint, onsets=onsets),
         )
 
-    def _measure(self, accepted: Accepted, assembly: Assembly, before: WorkPoint | None) -> Measurement:
-        state, proximal = accepted.minimum.state, accepted.minimum.proximal
-        force = proximal.weight * (assembly.mass @ (proximal.centre - state.displacement))
-        # The solver's energy holds potentials of loads and fluids; what is reported as energy is what is stored.
-        state = replace(state, energy=state.energy - assembly.potential(state.displacement))
+    def _measure(self, accepted: Accepted, problem: Problem, checkpoint: Checkpoint) -> Measurement:
+        state, proximal = _state(accepted), accepted.minimum.proximal
         return measure(
-            self._scene,
-            assembly,
+            self._setup,
+            problem,
             state,
             load_factor=accepted.load_factor,
-            proximal_force=force,
-            before=before,
+            proximal_force=-proximal.gradient(state.displacement, problem.mass),
+            before=checkpoint.work.get(accepted.phase),
             account=accepted.account,
         )
 
-    def _cell_pressure(self, assembly: Assembly, displacement: Array, measured: Measurement) -> Array | None:
-        given = None if self._given is None else measured.load_share * self._given
-        return cell_pressures(assembly, displacement, given)
+    def _components(self, problem: Problem, measured: Measurement) -> CellComponents:
+        """Return the components of a step; the tied solid is one."""
+        facing, count = self._setup.facing, self._bodies.body_count
+        if not problem.unknowns.lets_bodies_part:
+            return CellComponents(np.zeros(count, dtype=np.int64), np.array([count]))
+        return find_components(facing, parted_pairs(facing, measured.gap, self._bodies.thickness), count)
 
     def _record(
         self, number: int, accepted: Accepted, measured: Measurement, components: CellComponents, seconds: float
     ) -> StepRecord:
-        thickness, facing = self._bodies.thickness, self._scene.facing
-        total = facing.weight.sum()
+        thickness, facing, gap = self._bodies.thickness, self._setup.facing, measured.gap
+        total, further = facing.weight.sum(), dict(measured.columns)
+        x, y, *z = measured.plate_force
         return StepRecord(
             step=number,
-            phase=accepted.phase,
+            phase="tied" if accepted.phase == "tied" else "released",
             load_factor=accepted.load_factor,
-            plate_displacement=accepted.load_factor * float(np.linalg.norm(self._scene.prescribed_displacement)),
-            largest_gap=float(measured.gap.max(initial=0.0)),
-            mean_gap=float(facing.weight @ measured.gap / total) if total else 0.0,
-            smallest_gap=float(measured.gap.min(initial=0.0)),
-            parted_pairs=int(parted_pairs(self._scene, measured, thickness).sum()),
-            opened_share=measured.opened_share(facing, thickness),
+            plate_displacement=accepted.load_factor * float(np.linalg.norm(self._setup.prescribed_displacement)),
+            largest_gap=float(gap.max(initial=0.0)),
+            mean_gap=float(facing.weight @ gap / total) if total else 0.0,
+            smallest_gap=float(gap.min(initial=0.0)),
+            parted_pairs=int(parted_pairs(facing, gap, thickness).sum()),
+            opened_share=opened_share(facing, gap, thickness),
             components=len(components.sizes),
             largest_component=int(components.sizes.max()),
-            plate_force_x=float(measured.plate_force[0]),
-            plate_force_y=float(measured.plate_force[1]),
+            plate_force_x=float(x),
+            plate_force_y=float(y),
             contact_force=measured.forces.total,
             energy=measured.energy,
             iterations=accepted.effort.iterations,
             factorisations=accepted.effort.factorisations,
             seconds=seconds,
             certified=measured.certificate.passed,
-            separation_energy=measured.separation_energy,
-            bonded_share=measured.bonded_share,
+            separation_energy=further.pop("separation_energy", 0.0),
+            bonded_share=further.pop("bonded_share", 0.0),
             dissipation=measured.dissipation,
-            plate_force_z=float(measured.plate_force[2]) if self._bodies.dimension == 3 else 0.0,
+            plate_force_z=float(z[0]) if z else 0.0,
+            more=further,
         )
+
+
+def _state(accepted: Accepted) -> State:
+    """Return the state of a step; the solver knows it by protocol only."""
+    return cast(State, accepted.minimum.state)

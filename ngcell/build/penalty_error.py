@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from ngcell.build.simulation import Simulation
 from ngcell.errors import CaseError
 from ngcell.results.report import StepReport
 from ngcell.scene import AnyCase, Case, Mortar
-from ngcell.build.simulation import Simulation
 
 #: Factor on the stiffness. Errors of a penalty fall in proportion to it, so what moves is nearly the whole error.
 STIFFER = 10.0

@@ -1,54 +1,55 @@
-"""A scene, built: mesh, unknowns, energies, contact, and the continuation along its load path.
+"""A scene, built: its unknowns, the problems that they pose, and the steps along its load path.
 
-Here the rooms are wired, and it reads like the method section of a paper. A tissue of a case and own bodies from Python
-differ in their discretisation only: the mesh, the laws, and what moves.
+It reads from top to bottom: mesh and terms, walls and who faces whom, contact and cohesion, the stages of the continuation
+from soft to meant, and the strategy that follows the load path over them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import cached_property
 from time import perf_counter
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.build.discretisation import draw_up
-from ngcell.clock import Clock
-from ngcell.problem.assembly import Assembly
-from ngcell.contact.pairing.facing import find_facing
-from ngcell.contact.methods.protocol import ContactMethod
-from ngcell.problem.tie import Tie, tie_walls
-from ngcell.contact.surface.find import find_surface
-from ngcell.mechanics.bulk import BulkEnergy
+from ngcell.build.checkpoint import Checkpoint
+from ngcell.build.discretisation import discretise
 from ngcell.build.observation import Observer, Step
-from ngcell.results.measure import Scene
+from ngcell.build.options import Options
+from ngcell.clock import Clock
+from ngcell.contact.cohesion.bonds import bond_walls
+from ngcell.contact.methods.terms import CohesionTerm, ContactTerm
+from ngcell.contact.pairing.facing import find_facing
+from ngcell.contact.surface.find import find_surface
+from ngcell.mechanics.space import DisplacementSpace
+from ngcell.mechanics.symbolic import fused
+from ngcell.mechanics.term import Term
+from ngcell.problem.problem import Problem
+from ngcell.problem.reports import memory
+from ngcell.problem.tie import tie_walls
+from ngcell.results.measure import Setup
+from ngcell.results.observables.observable import Observable
 from ngcell.results.overlap import deepest_overlap_of_bodies
 from ngcell.scene import AnyCase, BodyScene
+from ngcell.solve.continuation import Continuation
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.released import Released
-from ngcell.solve.sddp import tied_then_released
-from ngcell.solve.continuation import FIRST, Continuation
-from ngcell.solve.single_step import single_step
 from ngcell.solve.step import Accepted
-from ngcell.build.checkpoint import Checkpoint
+from ngcell.solve.strategies.load_stepping import LoadStepping
+from ngcell.solve.strategies.single_step import SingleStep
+from ngcell.solve.strategies.strategy import Strategy, Task
 
-if TYPE_CHECKING:
-    from ngcell.contact.cohesion.bonds import Bonds
+Array = NDArray[np.float64]
+OwnTerm = Callable[[DisplacementSpace], Term]
 
-#: Ratio of bulk to shear modulus up to which paths are followed with a law as it is. Beyond it Newton's method crawls
-#: along the curved valley of constant volume: paths are followed with this ratio, which rises to the one that is meant.
-PATH_BULK, BULK_STAGE_FACTOR = 1e4, 30.0
-#: Walls that face each other nearer than this share of their thickness count as touching at rest.
+#: Surface that face each other nearer than this share of their thickness count as touching at rest.
 _TOUCHING = 0.05
-#: Strength at which continuation paths start where walls overlap at rest, in units of the path's scale. A stronger proximal term
-#: would hold them deep in each other, where the nearest wall changes from point to point and the energy is not smooth.
-_FIRST_OVERLAPPING = 1.0
 
 
 class Simulation:
-    """A scene, built, and ready to follow.
+    """A scene, built.
 
     Parameters
     ----------
@@ -56,75 +57,81 @@ class Simulation:
         What is simulated.
     clock : Clock, optional
         Where the seconds are added up.
+    options : Options, optional
+        The numbers of the solver and of contact.
+    terms : sequence of callable
+        Further terms of the energy, each made from the displacement space.
+    observables : sequence of Observable
+        What is measured besides what every run measures.
+    strategy : Strategy, optional
+        How the load path is followed, in place of what the scene says.
     """
 
-    def __init__(self, scene: AnyCase | BodyScene, clock: Clock | None = None) -> None:
-        self._contact, self._cohesion = scene.contact, scene.cohesion
-        self._step_count = scene.smallest_step_count
-        self.levels = scene.level_factors
-        self.clock = clock or Clock()
+    def __init__(
+        self,
+        scene: AnyCase | BodyScene,
+        clock: Clock | None = None,
+        *,
+        options: Options | None = None,
+        terms: Sequence[OwnTerm] = (),
+        observables: Sequence[Observable] = (),
+        strategy: Strategy | None = None,
+    ) -> None:
+        self.clock, self.options = clock or Clock(), options or Options()
+        self._case, self.levels, self._strategy = scene, scene.level_factors, strategy
         with self.clock.phase("meshing"):
-            self.discretisation = draw_up(scene)
-            self.bodies, self.space = self.discretisation.bodies, self.discretisation.space
+            self.discretisation = built = discretise(scene)
+            self.bodies, self.space, self.motion = built.space.bodies, built.space, built.motion
             self.walls = find_surface(self.bodies, self.space.scalar, self.space.rest)
-        drawn = self.discretisation
-        self.bulk = BulkEnergy(self.space, drawn.laws, drawn.loads, drawn.filling, drawn.fibre_direction)
-        self.motion = self.discretisation.motion
         self.longest_step = self.bodies.thickness / 2
-        self.scene = Scene(
+        self.setup = Setup(
             walls=self.walls,
             facing=find_facing(self.walls, _TOUCHING * self.bodies.thickness),
             motion=self.motion,
-            moved=self.discretisation.moved,
-            prescribed_displacement=self.discretisation.prescribed_displacement,
+            moved=built.moved,
+            prescribed_displacement=built.prescribed_displacement,
+            modulus=min(law.shear_modulus for law in built.walls),
         )
+        self._terms = (*built.terms, *(own(self.space) for own in terms))
         self._observer = Observer(
-            self.scene,
+            self.setup,
             self.bodies,
             levels=self.levels,
             expected=() if isinstance(scene, BodyScene) else scene.expected,
-            cell_pressure=self.discretisation.cell_pressure,
+            observables=(*scene.observables, *observables),
         )
 
     @cached_property
-    def _bulks(self) -> tuple[BulkEnergy, ...]:
-        """The stored energy, from the bulk modulus that paths are followed with to the one that is meant."""
-        drawn = self.discretisation
-        laws = (*drawn.laws, *filter(None, (drawn.filling,)))
-        bound, bulks = PATH_BULK, []
-        while bound < max(law.bulk_modulus / law.shear_modulus for law in laws):
-            softened = [law.softened(bound) for law in drawn.laws]
-            filling = drawn.filling and drawn.filling.softened(bound)
-            bulks.append(BulkEnergy(self.space, softened, drawn.loads, filling, drawn.fibre_direction))
-            bound *= BULK_STAGE_FACTOR
-        return (*bulks, self.bulk)
-
-    @property
-    def tied(self) -> Assembly:
-        """The tissue as one tied solid."""
-        return self._tied_stages[-1]
+    def cohesion(self) -> tuple[Term, ...]:
+        """What holds walls together, if anything does."""
+        if self._case.cohesion is None:
+            return ()
+        return (CohesionTerm(bond_walls(self.walls, self._case.cohesion)),)
 
     @cached_property
-    def _tied_stages(self) -> tuple[Assembly, ...]:
-        tie = tie_walls(self.walls, self.space.size)
-        return tuple(self._assembly(bulk, tie=tie) for bulk in self._bulks)
-
-    @property
-    def released(self) -> Assembly:
-        """The tissue with its walls in unilateral contact."""
-        return self._stages[-1]
+    def _volume_stages(self) -> tuple[tuple[Term, ...], ...]:
+        """The terms of bodies and loads, from the bulk modulus that paths are followed with to the one that is meant."""
+        bound, stages = self.options.solver.direct_bulk, []
+        while bound < max(term.incompressibility for term in self._terms):
+            stages.append(fused([term.softened(bound) for term in self._terms]))
+            bound *= self.options.solver.bulk_stage
+        return (*stages, fused(self._terms))
 
     @cached_property
-    def _stages(self) -> tuple[Assembly, ...]:
-        """The released tissue, from the contact and bulk modulus that paths are followed with to those that are meant."""
-        moduli = np.array([law.plane_strain_modulus for law in self.bulk.laws])
-        methods = self._contact.stages(self.walls, moduli, reach=self._reach)
-        softer = [self._assembly(bulk, contact=methods[0]) for bulk in self._bulks[:-1]]
-        return (*softer, *(self._assembly(self.bulk, contact=method) for method in methods))
+    def _contact_stages(self) -> tuple[ContactTerm, ...]:
+        """Contact, from the softest, which follows paths, to the one that is meant."""
+        moduli = np.array([law.plane_strain_modulus for law in self.discretisation.walls])
+        stages = self._case.contact.stages(self.walls, moduli, reach=self._reach, options=self.options.contact)
+        return tuple(ContactTerm(method) for method in stages)
+
+    @property
+    def contact(self) -> ContactTerm:
+        """Contact as it is meant."""
+        return self._contact_stages[-1]
 
     @property
     def _reach(self) -> float:
-        """Distance up to which walls are paired [length]: bodies that are drawn into each other are found, too."""
+        """Distance up to which walls are paired [length]: bodies that overlap at rest are found, too."""
         usual = 2 * self.longest_step
         if self.bodies.dimension == 3:
             return usual
@@ -132,97 +139,38 @@ class Simulation:
         return max(usual, deepest + self.longest_step)
 
     @cached_property
-    def _bonds(self) -> Bonds | None:
-        """What holds walls together, if anything does."""
-        if self._cohesion is None:
-            return None
-        from ngcell.contact.cohesion.bonds import bond_walls
+    def tied_problems(self) -> tuple[Problem, ...]:
+        """The tissue as one tied solid, stage by stage."""
+        tie = tie_walls(self.walls, self.space.size)
+        return tuple(Problem(self.space, terms, self.motion.fixed, tie=tie) for terms in self._volume_stages)
 
-        return bond_walls(self.walls, self._cohesion)
+    @cached_property
+    def released_problems(self) -> tuple[Problem, ...]:
+        """The tissue with its walls in unilateral contact, stage by stage."""
+        *softer, meant = self._volume_stages
+        stages = [(*terms, self._contact_stages[0]) for terms in softer]
+        stages += [(*meant, contact) for contact in self._contact_stages]
+        return tuple(Problem(self.space, (*terms, *self.cohesion), self.motion.fixed) for terms in stages)
 
-    def _assembly(
-        self, bulk: BulkEnergy, *, contact: ContactMethod | None = None, tie: Tie | None = None
-    ) -> Assembly:
-        fluid, bonds = self.discretisation.fluid, self._bonds if tie is None else None
-        return Assembly(self.space, bulk, self.motion.fixed, contact=contact, tie=tie, fluid=fluid, bonds=bonds)
+    @property
+    def problem(self) -> Problem:
+        """The released problem that is meant."""
+        return self.released_problems[-1]
 
-    def accepted_steps(self, checkpoint: Checkpoint | None = None) -> Iterator[Step]:
-        """Yield the accepted steps, or those that follow where an earlier continuation stood.
+    @property
+    def tied(self) -> tuple[Minimiser, ...]:
+        """Minimisers of the tied solid."""
+        return tuple(self._minimiser(problem, np.inf) for problem in self.tied_problems)
 
-        Raises
-        ------
-        StepFailed
-            If a step finds no equilibrium.
-        """
-        checkpoint = checkpoint or Checkpoint()
-        started = perf_counter()
-        for accepted in self._accepted(checkpoint):
-            with self.clock.phase("measuring"):
-                assembly = self.tied if accepted.phase == "tied" else self.released
-                # Terms with a memory hand it over here, and take it up again from `checkpoint.memory` at the start.
-                memory = self._memory(accepted)
-                step = self._observer.step(accepted, assembly, checkpoint, memory, perf_counter() - started)
-                checkpoint = step.checkpoint
-            yield step
-            started = perf_counter()
-
-    def _accepted(self, checkpoint: Checkpoint) -> Iterator[Accepted]:
-        steps, done, last = self._steps(), checkpoint.count, checkpoint.displacement
-        if self.discretisation.tied_first:
-            return tied_then_released(
-                [self._minimiser(assembly, np.inf) for assembly in self._tied_stages],
-                self._released(),
-                self.motion,
-                steps=steps,
-                levels=self.levels,
-                done=done,
-                last_tied=last.get("tied"),
-            )
-        if self._bonds is not None:
-            return self._with_history(self._bonds, steps, checkpoint)
-        return single_step(self._released(), self.motion, steps=steps, done=done, last=last.get("contact"))
-
-    def _with_history(self, bonds: Bonds, steps: list[float], checkpoint: Checkpoint) -> Iterator[Accepted]:
-        """Yield the accepted steps of a continuation whose bonds remember, after those that are done."""
-        from ngcell.solve.load_stepping import LoadStepping
-
-        accepted_steps = LoadStepping(self._released(), self.motion)
-        if not checkpoint.count:
-            return accepted_steps.steps(steps)
-        bonds.largest = checkpoint.memory["largest_opening"]
-        return accepted_steps.steps(
-            steps,
-            done=int(checkpoint.memory["targets"]),
-            load=checkpoint.work["contact"].load_factor,
-            displacement=checkpoint.displacement["contact"],
-            dissipation=float(checkpoint.memory["dissipation"]),
-            increment=float(checkpoint.memory["increment"]),
-        )
-
-    def _memory(self, accepted: Accepted) -> dict[str, NDArray[np.float64]] | None:
-        """Return what a continuation with bonds has to know to go on; None where nothing is remembered."""
-        if self._bonds is None or self.discretisation.tied_first or accepted.account is None:
-            return None
-        account = accepted.account
-        return {
-            "largest_opening": self._bonds.largest,
-            "dissipation": np.array(account.dissipation),
-            "increment": np.array(account.increment),
-            "targets": np.array(account.targets),
-        }
-
-    def _released(self) -> Released:
-        minimisers = [self._minimiser(assembly, self.longest_step) for assembly in self._stages]
-        apart = self._minimiser(self._assembly(self._bulks[0]), self.longest_step)
-        history = None if self._bonds is None else self.released
-        loads = self.discretisation.loads or self.discretisation.fluid
+    @property
+    def released(self) -> Released:
+        """Minimisers of the released walls, and the continuation that selects one of their equilibria."""
+        apart = Problem(self.space, (*self._volume_stages[0], *self.cohesion), self.motion.fixed)
         softest, stiffest = self._moduli
         return Released(
-            apart,
-            tuple(minimisers),
+            self._minimiser(apart, self.longest_step),
+            tuple(self._minimiser(problem, self.longest_step) for problem in self.released_problems),
             self.continuation,
-            loads,
-            history,
             is_alone=self.bodies.body_count == 1,
             is_mixed=stiffest > softest,
         )
@@ -230,31 +178,69 @@ class Simulation:
     @property
     def continuation(self) -> Continuation:
         """The path on which equilibria of released walls are selected."""
-        softest, stiffest = self._moduli
+        (softest, stiffest), options = self._moduli, self.options.solver.continuation
         # Contact is as stiff as the softer body of a pair; what the proximal term has to outweigh at first is the stiffest.
-        first = _FIRST_OVERLAPPING if self._overlaps_at_rest else FIRST * stiffest / softest
-        return Continuation(softest / self.bodies.length**2, first=first)
+        first = options.first_overlapping if self._overlaps_at_rest else options.first * stiffest / softest
+        return Continuation(softest / self.bodies.length**2, replace(options, first=first))
 
     @property
     def _moduli(self) -> tuple[float, float]:
         """Shear modulus of the softest wall, and of the stiffest solid there is."""
-        walls = [law.shear_modulus for law in self.bulk.laws]
-        filling = [self.bulk.filling.shear_modulus] if self.bulk.filling else []
-        return min(walls), max(walls + filling)
+        return self.setup.modulus, max(law.shear_modulus for law in self.discretisation.solids)
 
     @property
     def _overlaps_at_rest(self) -> bool:
-        """Whether walls are drawn into each other, as for a press-fit."""
-        gap = self.released.contact.pair(self.space.rest).kinematics.gaps(self.space.rest)
-        return float(gap.min(initial=0.0)) < -_TOUCHING * self.bodies.thickness
+        """Whether walls overlap at rest, as for a press-fit."""
+        at_rest = self.space.configuration(np.zeros(self.space.unknowns))
+        return self._contact_stages[-1].overlap(at_rest) > _TOUCHING * self.bodies.thickness
 
-    def _minimiser(self, assembly: Assembly, longest_step: float) -> Minimiser:
+    def _minimiser(self, problem: Problem, longest_step: float) -> Minimiser:
         volume = float(self.space.one @ self.space.scalar_mass @ self.space.one)
-        return Minimiser(assembly, longest_step, energy_scale=self._moduli[1] * volume, clock=self.clock)
+        scale = self._moduli[1] * volume
+        return Minimiser(problem, longest_step, energy_scale=scale, options=self.options.solver.minimiser, clock=self.clock)
+
+    @property
+    def strategy(self) -> Strategy:
+        """How the load path is followed: as the scene says, else as its terms allow."""
+        given: Strategy | None = self._strategy or self._case.strategy
+        return given or (LoadStepping() if self.cohesion else SingleStep())
+
+    def accepted_steps(self, checkpoint: Checkpoint | None = None) -> Iterator[Step]:
+        """Yield the accepted steps, or those that follow a checkpoint.
+
+        Raises
+        ------
+        StepFailed
+            If a step finds no equilibrium.
+        """
+        checkpoint, started = checkpoint or Checkpoint(), perf_counter()
+        for accepted in self.follow(checkpoint):
+            with self.clock.phase("measuring"):
+                problem = self.tied_problems[-1] if accepted.phase == "tied" else self.problem
+                step = self._observer.step(accepted, problem, checkpoint, perf_counter() - started)
+                step = replace(step, checkpoint=replace(step.checkpoint, memory=self._memory(accepted)))
+                checkpoint = step.checkpoint
+            yield step
+            started = perf_counter()
+
+    def follow(self, checkpoint: Checkpoint) -> Iterator[Accepted]:
+        """Yield the steps that the strategy accepts after a checkpoint, before they are measured."""
+        task = Task(self, self.motion, self._steps(), self.levels, self.options.solver)
+        for term in self.cohesion if checkpoint.memory else ():
+            term.recall(checkpoint.memory)
+        return self.strategy.follow(task, checkpoint.progress)
+
+    def _memory(self, accepted: Accepted) -> dict[str, NDArray[np.generic]]:
+        """Return what terms remember, and where energy went; nothing where there is no history."""
+        if accepted.account is None or not self.problem.has_history:
+            return {}
+        account = accepted.account
+        names = ("dissipation", "increment", "targets")
+        return {**memory(self.problem.terms), **{name: np.array(getattr(account, name)) for name in names}}
 
     def _steps(self) -> list[float]:
         """Return the load factors of all steps: the levels, with equal steps between them where more are asked for."""
-        levels, count = self.levels, self._step_count
+        levels, count = self.levels, self._case.smallest_step_count
         length = float(np.abs(np.diff(levels, prepend=0.0)).sum())
         steps, before = [], 0.0
         for level in levels:

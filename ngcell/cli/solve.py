@@ -17,7 +17,7 @@ from ngcell.cli.summary import summary_lines
 from ngcell.errors import NotConverged
 
 if TYPE_CHECKING:
-    from ngcell.run import Recording
+    from ngcell.recording import Recording
     from ngcell.scene import AnyCase
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ngcell.run import Recording
+    from ngcell.recording import Recording
 
 
 def summary_lines(recording: Recording, folder: Path) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""The energy of all bodies: one symbolic NGSolve energy a material, and the potential of loads, if there are any.
+"""Stored energy of the bodies, one symbolic energy a material, and of what fills lumens.
 
 What fills lumens is nearly incompressible, and would lock: its volumetric energy is taken by a rule of as many points
 in each direction as its order, fewer than the full one. For quadrilaterals that is the mixed method with a
@@ -7,23 +7,23 @@ discontinuous pressure one order lower, without the unknowns of that pressure an
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import ngsolve
 import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.geometry.bodies import FILLING
-from ngcell.mechanics.filling import reduced_rules
 from ngcell.mechanics.laws.law import HyperelasticLaw
-from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
+from ngcell.mechanics.symbolic import Integrals, SymbolicTerm
+from ngcell.mechanics.term import Configuration, Index
 
 Array = NDArray[np.float64]
 
 
-class BulkEnergy:
-    """Stored energy of the bodies plus the potential of their loads, its gradient and its tangent.
+class BodyEnergy(SymbolicTerm):
+    """Stored energy of the bodies.
 
     Parameters
     ----------
@@ -31,89 +31,113 @@ class BulkEnergy:
         The unknowns.
     laws : sequence of HyperelasticLaw
         Law of each body, by number.
-    loads : BoundaryLoads, optional
-        Loads on boundaries, taken at the load factor that was last applied to them. By default there are none.
-    filling : HyperelasticLaw, optional
-        Law of what fills the lumens; needed where there is something.
-    fibre_direction : array of float, shape (elements, 2), in three dimensions (elements, 6), optional
-        Unit vector in the plane from which angles of fibres are measured, in each element, and in three dimensions the one
+    fibre_direction : array of float, shape (elements, 2), of solids (elements, 6), optional
+        Unit vector in the plane from which angles of fibres are measured, in each element, and of solids the one
         towards which they are; needed where a law has any.
     """
 
     def __init__(
-        self,
-        space: DisplacementSpace,
-        laws: Sequence[HyperelasticLaw],
-        loads: BoundaryLoads | None = None,
-        filling: HyperelasticLaw | None = None,
-        fibre_direction: Array | None = None,
+        self, space: DisplacementSpace, laws: Sequence[HyperelasticLaw], fibre_direction: Array | None = None
     ) -> None:
-        self._space = space
-        self.laws = tuple(laws)
-        self.filling = filling
-        self.loads = loads
-        self.fibre_direction = fibre_direction
-        direction = None if fibre_direction is None else _by_element(space, fibre_direction)
-        trial = space.vector.TrialFunction()
-        gradient = ngsolve.Id(space.dimension) + ngsolve.Grad(trial)
-        self._form = ngsolve.BilinearForm(space.vector, symmetric=True)
+        self.space, self.laws = space, tuple(laws)
+        self._direction = fibre_direction
+
+    def integrals(self, displacement: ngsolve.CoefficientFunction) -> Integrals:
+        """Yield the stored energy of each material."""
+        gradient = ngsolve.Id(self.space.dimension) + ngsolve.Grad(displacement)
+        direction = () if self._direction is None else _by_element(self.space, self._direction)
+        names = self.space.bodies.body_names
         for law in dict.fromkeys(self.laws):
-            names = "|".join(name for name, mine in zip(space.bodies.body_names, self.laws, strict=True) if mine == law)
-            region = space.bodies.mesh.Materials(names)
+            members = "|".join(name for name, mine in zip(names, self.laws, strict=True) if mine == law)
             energy = law.stored_energy(gradient)
             if law.fibres is not None:
                 energy += law.fibres.stored_energy(gradient, direction)
-            self._form += ngsolve.Variation(energy.Compile() * ngsolve.dx(definedon=region))
-        if filling is not None:
-            region = space.bodies.mesh.Materials(FILLING)
-            reduced = ngsolve.dx(definedon=region, intrules=reduced_rules(space))
-            isochoric, volumetric = (part.Compile() for part in filling.energy_parts(gradient))
-            self._form += ngsolve.Variation(isochoric * ngsolve.dx(definedon=region))
-            self._form += ngsolve.Variation(volumetric * reduced)
-        for term in loads.terms(trial) if loads is not None else ():
-            self._form += ngsolve.Variation(term)
-        self._state = ngsolve.GridFunction(space.vector).vec
-        self._force = self._state.CreateVector()
-        self._is_assembled = False
+            yield energy.Compile() * ngsolve.dx(definedon=self.space.bodies.mesh.Materials(members))
 
-    def materials(self) -> Iterator[tuple[HyperelasticLaw, NDArray[np.bool_]]]:
-        """Yield each law and the elements that follow it, shape (elements,)."""
-        bodies = self._space.bodies
-        in_wall = np.ones(len(bodies.body_of_element), dtype=bool)
-        if self.filling is not None and bodies.is_filling is not None:
-            in_wall = ~bodies.is_filling
-            yield self.filling, bodies.is_filling
+    def stress(self, gradient: Array, element: Index) -> Array:
+        """Return the Cauchy stress [stress], shape (n, 3, 3); zero in what fills lumens."""
+        stress, bodies = np.zeros_like(gradient), self.space.bodies
+        in_wall = np.ones(len(element), dtype=bool) if bodies.is_filling is None else ~bodies.is_filling[element]
         for law in dict.fromkeys(self.laws):
-            yield law, in_wall & np.array([mine == law for mine in self.laws])[bodies.body_of_element]
-
-    def energy(self, displacement: Array) -> float:
-        """Return what is minimised: the stored energy and the loads' potential; NaN where an element is inverted."""
-        return float(self._form.Energy(self._at(displacement)))
-
-    def load_potential(self, displacement: Array) -> float:
-        """Return the loads' part of `energy`, zero at rest."""
-        return 0.0 if self.loads is None else self.loads.potential(displacement)
-
-    def gradient(self, displacement: Array) -> Array:
-        """Return the internal forces minus those of the loads, shape (unknowns,)."""
-        self._form.Apply(self._at(displacement), self._force)
-        force = self._force.FV().NumPy().copy()
-        return force if self.loads is None else force + self.loads.at_ends(displacement)
-
-    def tangent(self, displacement: Array) -> ngsolve.la.BaseMatrix:
-        """Return the tangent; the matrix is overwritten by the next call and its pattern never changes."""
-        self._form.AssembleLinearization(self._at(displacement))
-        self._is_assembled = True
-        return self._form.mat
+            of_law = np.array([other == law for other in self.laws])[bodies.body_of_element[element]]
+            mine = np.flatnonzero(of_law & in_wall)
+            stress[mine] = law.cauchy_stress(gradient[mine])
+            if law.fibres is not None:
+                assert self._direction is not None
+                stress[mine] += law.fibres.cauchy_stress(gradient[mine], self._direction[element[mine]])
+        return stress
 
     @property
-    def matrix(self) -> ngsolve.la.BaseMatrix:
-        """The matrix of the last tangent; its pattern is that of all."""
-        return self._form.mat if self._is_assembled else self.tangent(np.zeros(self._space.unknowns))
+    def incompressibility(self) -> float:
+        """Largest ratio of bulk to shear modulus."""
+        return max(law.bulk_modulus / law.shear_modulus for law in self.laws)
 
-    def _at(self, displacement: Array) -> ngsolve.BaseVector:
-        self._state.FV().NumPy()[:] = displacement
-        return self._state
+    def softened(self, ratio: float) -> BodyEnergy:
+        """Return the energy with bulk moduli of at most `ratio` times the shear moduli."""
+        return BodyEnergy(self.space, [law.softened(ratio) for law in self.laws], self._direction)
+
+
+class InclusionEnergy(SymbolicTerm):
+    """Stored energy of what fills the lumens.
+
+    Parameters
+    ----------
+    space : DisplacementSpace
+        The unknowns.
+    law : HyperelasticLaw
+        Its law, with an isochoric and a volumetric part.
+    """
+
+    def __init__(self, space: DisplacementSpace, law: HyperelasticLaw) -> None:
+        self.space, self.law = space, law
+
+    def integrals(self, displacement: ngsolve.CoefficientFunction) -> Integrals:
+        """Return the isochoric energy, and the volumetric one by a reduced rule."""
+        gradient = ngsolve.Id(self.space.dimension) + ngsolve.Grad(displacement)
+        region = self.space.bodies.mesh.Materials(FILLING)
+        isochoric, volumetric = (part.Compile() for part in self.law.energy_parts(gradient))
+        return [isochoric * ngsolve.dx(definedon=region), volumetric * self._reduced]
+
+    @property
+    def _reduced(self) -> ngsolve.comp.DifferentialSymbol:
+        """The measure of the volumetric energy: as many points in each direction as the order."""
+        kind = ngsolve.ET.QUAD if self.space.dimension == 2 else ngsolve.ET.HEX
+        rule = {kind: ngsolve.IntegrationRule(kind, 2 * self.space.order - 1)}
+        return ngsolve.dx(definedon=self.space.bodies.mesh.Materials(FILLING), intrules=rule)
+
+    def stress(self, gradient: Array, element: Index) -> Array:
+        """Return the Cauchy stress [stress], shape (n, 3, 3); zero in walls."""
+        stress, is_filling = np.zeros_like(gradient), self.space.bodies.is_filling
+        assert is_filling is not None
+        mine = np.flatnonzero(is_filling[element])
+        stress[mine] = self.law.cauchy_stress(gradient[mine])
+        return stress
+
+    @property
+    def incompressibility(self) -> float:
+        """Ratio of bulk to shear modulus."""
+        return self.law.bulk_modulus / self.law.shear_modulus
+
+    def softened(self, ratio: float) -> InclusionEnergy:
+        """Return the energy with a bulk modulus of at most `ratio` times the shear modulus."""
+        return InclusionEnergy(self.space, self.law.softened(ratio))
+
+    def cell_fields(self, at: Configuration, load_factor: float) -> dict[str, Array]:
+        """Return the mean pressure ``-trace(sigma) / 3`` in each lumen [stress].
+
+        The volumetric energy alone bears it: ``-kappa ln(J) / J``, averaged over the deformed area by the rule that this
+        energy is integrated with.
+        """
+        bodies = self.space.bodies
+        gradient = ngsolve.Id(self.space.dimension) + ngsolve.Grad(self.space.function(at.displacement))
+        jacobian, inside = ngsolve.Det(gradient), self._reduced
+
+        def by_body(density: ngsolve.CoefficientFunction) -> Array:
+            values = np.array(ngsolve.Integrate(density * inside, bodies.mesh, element_wise=True))
+            return np.asarray(np.bincount(bodies.body_of_element, values, bodies.body_count), dtype=float)
+
+        pressure = by_body(-self.law.bulk_modulus * ngsolve.log(jacobian)) / by_body(jacobian)
+        return {"cell_pressure": pressure}
 
 
 def _by_element(space: DisplacementSpace, values: Array) -> tuple[ngsolve.GridFunction, ...]:

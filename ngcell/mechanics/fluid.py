@@ -15,23 +15,30 @@ the pace. Each lumen adds a full block over the unknowns of its outline to the t
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
 from ngcell.mechanics.loads import BoundaryLoads
+from ngcell.mechanics.report import Check, Scales
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion
+from ngcell.mechanics.term import Configuration, Drive, Role, Term
 from ngcell.scene import Pressure
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
+#: Largest relative deviation of an area that the certificate passes.
+LUMEN_AREA = 1e-8
+_MEANING = "largest deviation of a lumen's area or volume from that of its fluid, relative; fluids only"
 #: By how much the liquid is stiffened where updates are slow, and at most in all.
 PENALTY_INCREASE, MOST_INCREASE = 10.0, 1e4
 
 
-class LumenFluids:
+class LumenFluids(Term):
     """The fluids of all cells of a tissue.
 
     Parameters
@@ -67,7 +74,7 @@ class LumenFluids:
         lumen = np.searchsorted(self.body, space.body_of_unknown[outline])
         self._lumen = np.tile(lumen, space.dimension)
         self._swept = (_Outlines if space.dimension == 2 else _Surfaces)(space, region, self._member)
-        self._size, self._dimension = space.unknowns, space.dimension
+        self._size, self._dimension, self._bodies = space.unknowns, space.dimension, space.bodies.body_count
         self._modulus, self._fill, self._in_full = modulus, fill, in_full
         # Bodies are blown up to twice their size.
         self.area = self._risen(space.rest.ravel()) / (2**space.dimension - 1)
@@ -102,23 +109,47 @@ class LumenFluids:
     @property
     def needed(self) -> Array:
         """Area of each fluid [length**dimension], shape (lumens,)."""
-        return (1 + self._share * (self._fill - 1)) * self.area
+        return np.asarray((1 + self._share * (self._fill - 1)) * self.area)
 
     def areas(self, displacement: Array) -> Array:
         """Return the area of each lumen [length**dimension], shape (lumens,)."""
-        return self.area + self._risen(displacement)
+        return np.asarray(self.area + self._risen(displacement))
 
     def pressures(self, displacement: Array) -> Array:
         """Return the pressure that each liquid answers with [stress], shape (lumens,)."""
         return self.pressure - self._stiffness * self._surplus(displacement)
 
-    def energy(self, displacement: Array) -> float:
+    @property
+    def role(self) -> Role:
+        """What cells hold acts on their walls."""
+        return Role.LOAD
+
+    def value(self, at: Configuration) -> float:
         """Return the energy of the liquids [stress * length**dimension]; 0 where all areas are right."""
-        difference = self.pressures(displacement) ** 2 - self.pressure**2
+        difference = self.pressures(at.displacement) ** 2 - self.pressure**2
         return float((difference / (2 * self._stiffness)).sum())
 
-    def gradient(self, displacement: Array) -> Array:
+    def unstored(self, at: Configuration) -> float:
+        """Return the energy of the liquids: the fluids that they stand for store none."""
+        return self.value(at)
+
+    def drive(self, at: Configuration, load_factor: float) -> Drive:
+        """Return the share that is filled in, and the work against the pressures for each unit of it."""
+        return Drive(self.share(load_factor), 0.0, self.filling_rate(at.displacement))
+
+    def cell_fields(self, at: Configuration, load_factor: float) -> dict[str, Array]:
+        """Return the pressure in each cell [stress], 0 in cells without a lumen."""
+        pressure = np.zeros(self._bodies)
+        pressure[self.body] = self.pressures(at.displacement)
+        return {"cell_pressure": pressure}
+
+    def checks(self, at: Configuration, scales: Scales) -> tuple[Check, ...]:
+        """Return the largest deviation of an area."""
+        return (Check("lumen_area", self.missed(at.displacement), LUMEN_AREA, _MEANING),)
+
+    def gradient(self, at: Configuration) -> Array:
         """Return minus the nodal forces on the walls [stress * length], shape (unknowns,)."""
+        displacement = at.displacement
         slope = np.zeros(self._size)
         slope[self._member] = -self.pressures(displacement)[self._lumen] * self._swept.slope(displacement)
         return slope
@@ -129,9 +160,9 @@ class LumenFluids:
         row, column = self._member[self._row], self._member[self._column]
         return np.maximum(row, column), np.minimum(row, column)
 
-    def tangent(self, displacement: Array) -> Array:
+    def tangent(self, at: Configuration) -> Array:
         """Return the second derivative of the energy [stress] on `pattern`."""
-        lumen = self._lumen[self._row]
+        displacement, lumen = at.displacement, self._lumen[self._row]
         rise = self._swept.slope(displacement)
         squeeze = self._stiffness[lumen] * rise[self._row] * rise[self._column]
         bent = np.zeros(len(squeeze))
@@ -146,11 +177,11 @@ class LumenFluids:
         """Return the work against the pressures for each unit of the share that is filled in [stress * length**2]."""
         return float((self._fill - 1) * (self.pressures(displacement) @ self.area))
 
-    def update_multipliers(self, displacement: Array) -> tuple[float, float]:
+    def update_multipliers(self, at: Configuration, stored: Callable[[], float]) -> tuple[float, float]:
         """Take over the pressures of an equilibrium; return by how much areas were off, as a length [length], and the
         energy of that in the liquids [stress * length**2]."""
-        surplus = self._surplus(displacement)
-        self.pressure = self.pressures(displacement)
+        surplus = self._surplus(at.displacement)
+        self.pressure = self.pressures(at.displacement)
         energy = float((self._stiffness * surplus**2).sum()) / 2
         surface = self.area ** (1 - 1 / self._dimension)
         return float(np.abs(surplus / surface).max(initial=0.0)), energy
@@ -162,14 +193,14 @@ class LumenFluids:
     @property
     def _stiffness(self) -> Array:
         """Pressure for each surplus of area [stress / length**dimension], shape (lumens,)."""
-        return self._pace * self._modulus / self.area
+        return np.asarray(self._pace * self._modulus / self.area)
 
     def _surplus(self, displacement: Array) -> Array:
-        return self.areas(displacement) - self.needed
+        return np.asarray(self.areas(displacement) - self.needed)
 
     def _risen(self, displacement: Array) -> Array:
         """Return the change of each lumen's area."""
-        return np.bincount(self._lumen, self._swept.shares(displacement), len(self.body))
+        return np.asarray(np.bincount(self._lumen, self._swept.shares(displacement), len(self.body)), dtype=float)
 
 
 class _Outlines:
@@ -193,8 +224,8 @@ class _Outlines:
     def __init__(self, space: DisplacementSpace, region: str, member: Index) -> None:
         rest, swept = np.zeros(space.unknowns), _unit_pressure(space, region)
         self._member = member
-        self._slope = -swept.gradient(rest)[member]
-        self._bend = -swept.tangent(rest)[member][:, member].tocsr()
+        self._slope = -swept.gradient(space.configuration(rest))[member]
+        self._bend = -swept.form.tangent(rest)[member][:, member].tocsr()
         lower = sparse.tril(self._bend).tocoo()
         self.pattern, self._lower = lower.coords, lower.data
 
@@ -209,7 +240,7 @@ class _Outlines:
 
     def bend(self, displacement: Array) -> Array:
         """Return the second derivative on `pattern`."""
-        return self._lower
+        return np.asarray(self._lower)
 
 
 class _Surfaces:
@@ -219,11 +250,11 @@ class _Surfaces:
     """
 
     def __init__(self, space: DisplacementSpace, region: str, member: Index) -> None:
-        self._swept = _unit_pressure(space, region)
+        self._space, self._swept = space, _unit_pressure(space, region)
         self._member, self._rest = member, space.rest.ravel()[member]
         nothing = np.zeros(space.unknowns)
         self._at_rest = self._rest * self.slope(nothing)
-        tangent = self._swept.tangent(nothing)
+        tangent = self._swept.form.tangent(nothing)
         row, column = np.repeat(np.arange(space.unknowns), np.diff(tangent.indptr)), tangent.indices
         place = np.full(space.unknowns, -1)
         place[member] = np.arange(len(member))
@@ -238,11 +269,11 @@ class _Surfaces:
 
     def slope(self, displacement: Array) -> Array:
         """Return the derivative of the volumes by the members, shape (members,)."""
-        return np.asarray(-self._swept.gradient(displacement)[self._member])
+        return np.asarray(-self._swept.gradient(self._space.configuration(displacement))[self._member])
 
     def bend(self, displacement: Array) -> Array:
         """Return the second derivative on `pattern`."""
-        return np.asarray(-self._swept.tangent(displacement).data[self._lower])
+        return np.asarray(-self._swept.form.tangent(displacement).data[self._lower])
 
 
 def _unit_pressure(space: DisplacementSpace, region: str) -> BoundaryLoads:

@@ -12,16 +12,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from functools import cached_property
 
 import ngsolve
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
-from ngcell.mechanics.space import DisplacementSpace, csr_matrix
+from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.mechanics.swept import swept_by
+from ngcell.mechanics.symbolic import Integrals, SymbolicTerm
+from ngcell.mechanics.term import Configuration, Drive, Role
 from ngcell.scene import BodyForce, Pressure, Traction
 from ngcell.scene.entries import check_dimension
 
@@ -32,8 +32,8 @@ Load = Pressure | Traction | BodyForce
 _EXTRA_DEGREES = 6
 
 
-class BoundaryLoads:
-    """All loads of a scene: their potential, its gradient and its tangent.
+class BoundaryLoads(SymbolicTerm):
+    """All loads of a scene: their potential.
 
     Parameters
     ----------
@@ -45,11 +45,13 @@ class BoundaryLoads:
         The supports, which hold the rims of boundaries under pressure.
     in_full : bool
         Whether loads act in full at every load factor above 0, instead of growing with it.
+    cell_pressure : array of float, shape (bodies,), optional
+        Pressure in each cell at load factor 1 [stress], where the loads are those.
 
     Attributes
     ----------
     factor : ngsolve.Parameter
-        The load factor that energies made with `terms` are taken at.
+        The load factor that the potential is taken at.
 
     Raises
     ------
@@ -59,10 +61,16 @@ class BoundaryLoads:
     """
 
     def __init__(
-        self, space: DisplacementSpace, loads: Sequence[Load], motion: PrescribedMotion, *, in_full: bool = False
+        self,
+        space: DisplacementSpace,
+        loads: Sequence[Load],
+        motion: PrescribedMotion,
+        *,
+        in_full: bool = False,
+        cell_pressure: Array | None = None,
     ) -> None:
-        self._space = space
-        self._in_full = in_full
+        self.space = space
+        self._in_full, self._cell_pressure = in_full, cell_pressure
         self._loads = tuple(loads)
         self.factor = ngsolve.Parameter(0.0)
         for load in self._loads:
@@ -72,65 +80,59 @@ class BoundaryLoads:
         self._swept = swept_by(space, _pressures(self._loads))
         self._swept.check(motion)
 
+    @property
+    def role(self) -> Role:
+        """Loads act from outside."""
+        return Role.LOAD
+
     def apply(self, load_factor: float) -> None:
-        """Set the load factor of all energies that were made with `terms`."""
+        """Set the load factor of the potential."""
         self.factor.Set(self.share(load_factor))
 
     def share(self, load_factor: float) -> float:
         """Return the share of the loads that acts at a load factor."""
         return float(load_factor > 0) if self._in_full else load_factor
 
-    def terms(self, displacement: ngsolve.CoefficientFunction) -> list[ngsolve.comp.SumOfIntegrals]:
+    def integrals(self, displacement: ngsolve.CoefficientFunction) -> Integrals:
         """Return the potential at `factor`, whatever it will be, as integrals over boundaries and bodies."""
         return [self.factor * self._density(load, displacement) * self._measure(load) for load in self._loads]
 
-    def potential(self, displacement: Array, load_factor: float | None = None) -> float:
-        """Return the potential [stress * length**2] at a load factor, by default the one applied; zero at rest."""
-        with self._at(load_factor):
-            return float(self._form.Energy(self._space.function(displacement).vec))
-
-    def gradient(self, displacement: Array, load_factor: float | None = None) -> Array:
-        """Return minus the nodal forces of the loads [stress * length], shape (unknowns,).
-
-        At unknowns that are free this is the gradient of the potential.
-        """
-        at = self._space.function(displacement).vec
-        slope = at.CreateVector()
-        with self._at(load_factor):
-            self._form.Apply(at, slope)
-            return np.asarray(slope.FV().NumPy() + self.at_ends(displacement))
-
-    def tangent(self, displacement: Array, load_factor: float | None = None) -> sparse.csr_array:
-        """Return the second derivative of the potential [stress], shape (unknowns, unknowns)."""
-        with self._at(load_factor):
-            self._form.AssembleLinearization(self._space.function(displacement).vec)
-        return csr_matrix(self._form.mat)
-
-    def at_ends(self, displacement: Array) -> Array:
-        """Return what rims add to the gradient of `terms`, as nodal forces, shape (unknowns,)."""
+    def beyond_integrals(self, displacement: Array) -> Array:
+        """Return what rims add to the gradient, as nodal forces, shape (unknowns,)."""
         return self._swept.at_rims(displacement, self.factor.Get())
 
+    def unstored(self, at: Configuration) -> float:
+        """Return the potential: none of it is stored in bodies."""
+        return self.potential(at.displacement)
+
+    def drive(self, at: Configuration, load_factor: float) -> Drive:
+        """Return the share of the loads, and their potential in full."""
+        return Drive(self.share(load_factor), self.potential(at.displacement, 1.0), 0.0)
+
+    def cell_fields(self, at: Configuration, load_factor: float) -> dict[str, Array]:
+        """Return the pressure in each cell [stress], where loads are such pressures."""
+        given = self._cell_pressure
+        return {} if given is None else {"cell_pressure": self.share(load_factor) * given}
+
+    def potential(self, displacement: Array, load_factor: float | None = None) -> float:
+        """Return the potential [stress * length**2] at a load factor, by default the one applied; zero at rest."""
+        with self.at_factor(load_factor):
+            return self.form.energy(displacement)
+
     @contextmanager
-    def _at(self, load_factor: float | None) -> Iterator[None]:
-        """Take another load factor for a while."""
+    def at_factor(self, load_factor: float | None) -> Iterator[None]:
+        """Take another load factor for a while; None is the one applied."""
         applied = self.factor.Get()
         if load_factor is not None:
             self.apply(load_factor)
         yield
         self.factor.Set(applied)
 
-    @cached_property
-    def _form(self) -> ngsolve.BilinearForm:
-        form = ngsolve.BilinearForm(self._space.vector, symmetric=True)
-        for term in self.terms(self._space.vector.TrialFunction()):
-            form += ngsolve.Variation(term)
-        return form
-
     def _density(self, load: Load, displacement: ngsolve.CoefficientFunction) -> ngsolve.CoefficientFunction:
         """Return the potential for each reference length or area at load factor 1."""
         if isinstance(load, Pressure):
             return load.value * self._swept.outward * self._swept.swept(displacement)
-        coordinates = (ngsolve.x, ngsolve.y, ngsolve.z)[: self._space.dimension]
+        coordinates = (ngsolve.x, ngsolve.y, ngsolve.z)[: self.space.dimension]
         first, *others = load.vector(*coordinates) if callable(load.vector) else load.vector
         work = first * displacement[0]
         for axis, component in enumerate(others, start=1):
@@ -139,7 +141,7 @@ class BoundaryLoads:
 
     def _measure(self, load: Load) -> ngsolve.comp.DifferentialSymbol:
         """Return what the potential is integrated over."""
-        mesh, extra = self._space.bodies.mesh, 0
+        mesh, extra = self.space.bodies.mesh, 0
         if not isinstance(load, Pressure) and callable(load.vector):
             extra = _EXTRA_DEGREES
         if isinstance(load, BodyForce):

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ngcell.geometry.bodies import BodyMesh
+from ngcell.mechanics.term import Configuration
 
 Array = NDArray[np.float64]
 
@@ -100,6 +101,10 @@ class DisplacementSpace:
     def affine(self, gradient: Array, translation: Array) -> Array:
         """Return ``gradient @ X + translation`` as unknowns, shape (dimension, size)."""
         return np.asarray(gradient @ self.rest + translation[:, None] * self.one)
+
+    def configuration(self, displacement: Array) -> Configuration:
+        """Return where bodies are with this displacement, shape (unknowns,) [length]."""
+        return Configuration(displacement, self.rest + displacement.reshape(self.dimension, -1))
 
     def function(self, displacement: Array) -> ngsolve.GridFunction:
         """Return the displacement with these unknowns as an NGSolve function."""

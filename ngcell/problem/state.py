@@ -1,4 +1,4 @@
-"""What the assembly knows of a place: its energy and contact pairs, and the second-order model about it."""
+"""What a problem knows of a place: its energy and configuration, and the second-order model about it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ngcell.contact.methods.protocol import ContactSet
+from ngcell.mechanics.term import Configuration, OneSided
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -16,50 +16,67 @@ Index = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """A displacement, its energy and, in contact, its contact pairs.
+    """A place.
 
     Attributes
     ----------
     displacement : array of float, shape (unknowns,)
-        The displacement [length].
+        The unknowns that are solved for [length].
     energy : float
-        Energy of bulk, contact and bonds [stress * length**dimension]; NaN where an element is inverted.
-    positions : array of float, shape (dimension, size)
-        Deformed positions as unknowns [length]; not to be written to.
-    contact : ContactSet or None
-        The contact pairs at this displacement.
+        Sum of all terms [stress * length**dimension]; NaN where an element is inverted.
+    at : Configuration
+        Where all bodies are, and the active sets that terms have found there.
     """
 
     displacement: Array
     energy: float
-    positions: Array
-    contact: ContactSet | None = None
+    at: Configuration
+
+    @property
+    def positions(self) -> Array:
+        """Deformed positions as unknowns, shape (dimension, size) [length]."""
+        return self.at.positions
 
 
 @dataclass(frozen=True, eq=False)
 class Linearisation:
-    """Second-order model of the energy about a state, with the penalty terms of near walls kept apart.
+    """Second-order model of the energy about a state, with one-sided constraints kept apart.
 
-    ``E(u + d) ~ E + gradient d + d K d / 2 + sum_i stiffness_i (min(0, gap_i + jacobian_i d)^2 - min(0, gap_i)^2) / 2``
+    ``E(u + d) ~ E + gradient d + d K d / 2 + sum_i penalty_i (min(0, gap_i + jacobian_i d)^2 - min(0, gap_i)^2) / 2``
 
     Attributes
     ----------
     gradient : array of float, shape (unknowns,)
-        Gradient without the penalty terms' part.
+        Gradient without that of constraints.
     stiffness : array of float
-        K without `curvature`, on the lower pattern of the assembly.
+        K without `curvature`, on the lower pattern of the problem.
     curvature : coo_array or None
-        Geometric part of closed contacts, and the tangent of bonds.
-    gap, jacobian, penalty term : array, csr_array, array
-        The penalty terms: gaps, their derivatives by the unknowns, and stiffness.
-    keys : array of int
-        What tells the penalty terms of different states apart.
+        The part of K whose pattern moves: closed contacts, bonds.
+    constraints : OneSided
+        The constraints.
     """
 
     gradient: Array
     stiffness: Array
     curvature: sparse.coo_array | None
-    gap: Array
-    jacobian: sparse.csr_array
-    penalty: Array
-    keys: Index
+    constraints: OneSided
+
+    @property
+    def gap(self) -> Array:
+        """Gaps of the constraints [length]."""
+        return self.constraints.gap
+
+    @property
+    def jacobian(self) -> sparse.csr_array:
+        """Their derivatives by the unknowns."""
+        return self.constraints.jacobian
+
+    @property
+    def penalty(self) -> Array:
+        """Their stiffness."""
+        return self.constraints.penalty
+
+    @property
+    def keys(self) -> Index:
+        """What tells the constraints of different states apart."""
+        return self.constraints.keys

@@ -1,4 +1,4 @@
-"""The checks of a certificate: each a share, of what should be nothing in what is at stake."""
+"""The checks of all scenes: each compares a number that should vanish with the size of what it is a part of."""
 
 from __future__ import annotations
 
@@ -8,9 +8,13 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.problem.assembly import Assembly
+from ngcell.contact.surface.surface import Surface
+from ngcell.mechanics.report import Check, Scales
+from ngcell.mechanics.space import DisplacementSpace
+from ngcell.problem.problem import Problem
+from ngcell.problem.reports import checks, deepest_overlap
 from ngcell.problem.state import State
-from ngcell.results.certificate import LIMITS, Certificate, Check
+from ngcell.results.certificate import LIMITS, Certificate, common_check
 from ngcell.results.fields import jacobian_range
 from ngcell.results.forces import ContactForces, body_resultants
 from ngcell.results.overlap import deepest_overlap_of_bodies
@@ -22,19 +26,15 @@ _SMALL_STRAIN = 1e-4
 
 
 class Account(Protocol):
-    """Where energy went on the way to a step of a problem with a memory; see `ngcell.solve.step.Account`."""
+    """Where energy went on the way to a step of a problem with a history; see `ngcell.solve.step.Account`."""
 
     @property
     def dissipation(self) -> float:
         """What was lost as the energy fell at held supports, since rest [stress * length**2]."""
 
     @property
-    def mismatch(self) -> float:
-        """Work minus the change of all energies and losses, since the step before [stress * length**2]."""
-
-    @property
     def mismatch_share(self) -> float:
-        """Its magnitude over the energy that the step moved."""
+        """Work minus the change of all energies and losses, over the energy that the step moved."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +49,8 @@ class NodalForces:
         What supports exert on the bodies.
     load : array of float
         What loads exert on the bodies.
-    proximal term : array of float
-        What is left of the proximal term.
+    proximal : array of float
+        What the proximal term that is left exerts on the bodies.
     """
 
     internal: Array
@@ -59,11 +59,20 @@ class NodalForces:
     proximal: Array
 
 
+def scales_of(space: DisplacementSpace, modulus: float, stored: float) -> Scales:
+    """Return what counts as nothing: force and energy of a wall of the softest shear modulus that is hardly strained."""
+    volume, thickness = float(space.one @ space.scalar_mass @ space.one), space.bodies.thickness
+    return Scales(_SMALL_STRAIN * modulus * thickness, _SMALL_STRAIN**2 * modulus * volume, thickness, stored)
+
+
 def certify(
-    assembly: Assembly,
+    problem: Problem,
+    walls: Surface,
     state: State,
     nodal: NodalForces,
     forces: ContactForces,
+    scales: Scales,
+    *,
     unstored_work: float,
     account: Account | None = None,
 ) -> Certificate:
@@ -71,71 +80,65 @@ def certify(
 
     Parameters
     ----------
-    assembly : Assembly
+    problem : Problem
         What was solved: tied or released.
+    walls : Surface
+        All walls.
     state : State
         The accepted state.
     nodal : NodalForces
         Forces on the unknowns.
     forces : ContactForces
         Forces between bodies.
+    scales : Scales
+        What counts as nothing.
     unstored_work : float
         Work since the step before that is not stored [stress * length**2].
     account : Account, optional
-        Where energy went, with cohesion.
+        Where energy went, of a scene with a history.
     """
-    scale = _scales(assembly)
-    return Certificate(
-        (
-            Check("residual", _residual(assembly, state, nodal, scale)),
-            Check("penetration_over_wall", _penetration(assembly, state)),
-            Check("tension", _tension(assembly, state)),
-            Check("complementarity", _complementarity(assembly, state, scale)),
-            *_conditions(assembly, state, scale),
-            *_areas(assembly, state),
-            Check("body_balance", _body_balance(assembly, forces, nodal, scale)),
-            Check("plate_balance", _plate_balance(assembly, forces, nodal, scale)),
-            Check("smallest_jacobian", jacobian_range(assembly, state.displacement)[0]),
-            Check("stabilisation", _share(nodal.proximal, nodal.internal, scale)),
-            Check("work_mismatch", _work_mismatch(assembly, unstored_work, state.energy, scale)),
-            *(() if account is None else (Check("energy_balance", account.mismatch_share),)),
-        )
-    )
+    space, parts = problem.space, problem.unknowns.lets_bodies_part
+    held, loaded = body_resultants(space, nodal.reaction), body_resultants(space, nodal.load)
+    largest = max(_largest(forces.force), _largest(held), scales.force)
+    on_body = _largest(forces.on_body + held + loaded) if parts else 0.0
+    # Released levels do not follow each other: their work is reported, and not judged.
+    mismatch = 0.0 if parts else abs(unstored_work)
+    common = {
+        "residual": _residual(problem, state, nodal, scales),
+        "penetration_over_wall": _penetration(problem, walls, state) / scales.thickness,
+        "body_balance": on_body / largest,
+        "plate_balance": float(np.linalg.norm((held + loaded).sum(0))) / largest,
+        "smallest_jacobian": jacobian_range(space, state.at.displacement)[0],
+        "stabilisation": _share(nodal.proximal, nodal.internal, scales),
+        "work_mismatch": mismatch / scales.at_stake,
+        **({} if account is None else {"energy_balance": account.mismatch_share}),
+    }
+    found: list[Check] = [common_check(name, value) for name, value in common.items()]
+    return Certificate((*found, *checks(problem.terms, state.at, scales)))
 
 
-@dataclass(frozen=True)
-class _Scales:
-    """What counts as nothing: the force and the energy of a wall strained by `_SMALL_STRAIN`."""
-
-    force: float
-    energy: float
+def _largest(forces: Array) -> float:
+    return float(np.linalg.norm(forces, axis=1).max(initial=0.0))
 
 
-def _scales(assembly: Assembly) -> _Scales:
-    modulus = min(law.shear_modulus for law in assembly.bulk.laws)
-    space = assembly.space
-    volume = float(space.one @ space.scalar_mass @ space.one)
-    return _Scales(_SMALL_STRAIN * modulus * space.bodies.thickness, _SMALL_STRAIN**2 * modulus * volume)
+def _share(force: Array, internal: Array, scales: Scales) -> float:
+    return float(np.linalg.norm(force)) / max(float(np.linalg.norm(internal)), scales.force)
 
 
-def _share(force: Array, internal: Array, scale: _Scales) -> float:
-    return float(np.linalg.norm(force)) / max(float(np.linalg.norm(internal)), scale.force)
-
-
-def _residual(assembly: Assembly, state: State, nodal: NodalForces, scale: _Scales) -> float:
-    out_of_balance = assembly.gradient(state) - assembly.gather(nodal.proximal)
-    residual = _share(out_of_balance[assembly.free], nodal.internal, scale)
-    if residual <= LIMITS["residual"] or state.contact is None or not np.isfinite(residual):
+def _residual(problem: Problem, state: State, nodal: NodalForces, scales: Scales) -> float:
+    out_of_balance = problem.gradient(state) - problem.unknowns.gather(nodal.proximal)
+    residual = _share(out_of_balance[problem.free], nodal.internal, scales)
+    if residual <= LIMITS["residual"] or not problem.unknowns.lets_bodies_part or not np.isfinite(residual):
         return residual
-    beyond = np.maximum(np.abs(out_of_balance) - _last_digits(assembly, state), 0.0)
-    return _share(beyond[assembly.free], nodal.internal, scale)
+    beyond = np.maximum(np.abs(out_of_balance) - _last_digits(problem, state), 0.0)
+    return _share(beyond[problem.free], nodal.internal, scales)
 
 
-def _last_digits(assembly: Assembly, state: State) -> Array:
-    """Return the forces that the last digits of positions stand for: ``eps |K| |x|``, K with the closed penalty terms."""
-    line = assembly.linearise(state)
-    place = np.abs(assembly.positions(state.displacement)).ravel()
-    row, column = assembly.pattern
+def _last_digits(problem: Problem, state: State) -> Array:
+    """Return the forces that the last digits of positions stand for: ``eps |K| |x|``, K with closed constraints."""
+    line = problem.linearise(state)
+    place = np.abs(state.positions).ravel()
+    row, column = problem.pattern
     stiffness = np.abs(line.stiffness)
     force = np.bincount(row, stiffness * place[column], len(place))
     off = row != column
@@ -145,67 +148,12 @@ def _last_digits(assembly: Assembly, state: State) -> Array:
     return np.asarray(np.finfo(float).eps * force)
 
 
-def _penetration(assembly: Assembly, state: State) -> float:
-    if assembly.contact is None or state.contact is None:
-        return 0.0  # The tied solid has no contact: what it leaves untied, at rounded corners, may overlap.
-    positions, walls = assembly.positions(state.displacement), assembly.contact.walls
-    gaps = state.contact.kinematics.gaps(positions)
-    seen = deepest_overlap_of_bodies(assembly.space, walls, positions)
-    return max(-float(gaps.min(initial=0.0)), seen) / assembly.space.bodies.thickness
+def _penetration(problem: Problem, walls: Surface, state: State) -> float:
+    """Return the deepest overlap [length], as contact sees it and from outlines.
 
-
-def _tension(assembly: Assembly, state: State) -> float:
-    if state.contact is None:
+    The tied solid has no contact: what it leaves untied, at rounded corners, may overlap.
+    """
+    seen = deepest_overlap(problem.terms, state.at)
+    if seen is None:
         return 0.0
-    normal_force = state.contact.contact_forces(assembly.positions(state.displacement))
-    return max(0.0, -float(normal_force.min(initial=0.0)))
-
-
-def _complementarity(assembly: Assembly, state: State, scale: _Scales) -> float:
-    if state.contact is None:
-        return 0.0
-    positions = assembly.positions(state.displacement)
-    work = state.contact.contact_forces(positions) @ state.contact.kinematics.gaps(positions)
-    return abs(float(work)) / max(state.energy, scale.energy)
-
-
-def _conditions(assembly: Assembly, state: State, scale: _Scales) -> tuple[Check, ...]:
-    """Return the checks of a contact method's own conditions."""
-    if state.contact is None:
-        return ()
-    missed = state.contact.missed(assembly.positions(state.displacement))
-    units = {
-        "weighted_overlap": assembly.space.bodies.thickness,
-        "weighted_complementarity": max(state.energy, scale.energy),
-    }
-    return tuple(Check(name, value / units[name]) for name, value in missed.items())
-
-
-def _areas(assembly: Assembly, state: State) -> tuple[Check, ...]:
-    if assembly.fluid is None:
-        return ()
-    return (Check("lumen_area", assembly.fluid.missed(assembly.expand(state.displacement))),)
-
-
-def _largest_force(forces: ContactForces, reaction_of_body: Array) -> float:
-    sizes = [np.linalg.norm(forces.force, axis=1).max(initial=0.0)]
-    sizes.append(np.linalg.norm(reaction_of_body, axis=1).max(initial=0.0))
-    return float(max(sizes))
-
-
-def _body_balance(assembly: Assembly, forces: ContactForces, nodal: NodalForces, scale: _Scales) -> float:
-    if assembly.contact is None:
-        return 0.0
-    held, loaded = body_resultants(assembly, nodal.reaction), body_resultants(assembly, nodal.load)
-    out_of_balance = np.linalg.norm(forces.on_body + held + loaded, axis=1).max()
-    return float(out_of_balance) / max(_largest_force(forces, held), scale.force)
-
-
-def _plate_balance(assembly: Assembly, forces: ContactForces, nodal: NodalForces, scale: _Scales) -> float:
-    held, loaded = body_resultants(assembly, nodal.reaction), body_resultants(assembly, nodal.load)
-    return float(np.linalg.norm((held + loaded).sum(0))) / max(_largest_force(forces, held), scale.force)
-
-
-def _work_mismatch(assembly: Assembly, surplus: float, energy: float, scale: _Scales) -> float:
-    """Return the unstored work over the energy; released levels do not follow each other, and are not judged by it."""
-    return 0.0 if assembly.contact is not None else abs(surplus) / max(energy, scale.energy)
+    return max(seen, deepest_overlap_of_bodies(problem.space, walls, state.positions))

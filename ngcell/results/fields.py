@@ -6,7 +6,8 @@ not smoothed. Values at the points are those of the finite element functions; se
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 import ngsolve
 import numpy as np
@@ -15,7 +16,9 @@ from numpy.typing import NDArray
 from ngcell.contact.surface.surface import Surface
 from ngcell.errors import GeometryError
 from ngcell.mechanics.space import DisplacementSpace
-from ngcell.problem.assembly import Assembly
+from ngcell.mechanics.term import Configuration
+from ngcell.problem.problem import Problem
+from ngcell.problem.reports import stress as cauchy_stress
 from ngcell.results.patterns import Pattern, pattern_of, wall_pattern
 from ngcell.results.snapshot import Grid, Snapshot
 
@@ -26,41 +29,50 @@ Index = NDArray[np.int64]
 _DRAWN = ({ngsolve.ET.QUAD}, {ngsolve.ET.TRIG}, {ngsolve.ET.TET}, {ngsolve.ET.HEX}, {ngsolve.ET.PRISM})
 
 
-def take_snapshot(
-    assembly: Assembly,
-    displacement: Array,
-    *,
-    walls: Surface,
-    step: int,
-    load_factor: float,
-    plate_displacement: float,
-    gap: Array,
-    contact_pressure: Array,
-    free_bodies: Collection[int] | Index = frozenset(),
-    cell_pressure: Array | None = None,
-) -> Snapshot:
-    """Return the fields of a state.
+@dataclass(frozen=True)
+class Label:
+    """Which step a snapshot is of.
 
-    Parameters
+    Attributes
     ----------
-    assembly : Assembly
-        The bodies, all of elements of one kind.
-    displacement : array of float, shape (unknowns,)
-        The displacement [length]; in a tied assembly slaves follow their masters.
-    walls : Surface
-        The walls to show.
     step : int
         Number of the accepted step, from 0.
     load_factor : float
         Share of the case's full load, in [0, 1].
     plate_displacement : float
         Length of the displacement of the moved plate [length], >= 0.
-    gap, contact_pressure : array of float, shape (edges, points)
-        Normal gap [length], open > 0, and pressure [stress], >= 0, at the points that walls are drawn with.
-    free_bodies : collection or array of int
-        Numbers of the bodies that nothing holds.
-    cell_pressure : array of float, shape (bodies,), optional
-        Pressure of what each body holds [stress].
+    """
+
+    step: int
+    load_factor: float
+    plate_displacement: float
+
+
+def take_snapshot(
+    problem: Problem,
+    at: Configuration,
+    label: Label,
+    *,
+    walls: Surface,
+    wall_data: Mapping[str, Array],
+    body_data: Mapping[str, NDArray[np.generic]],
+) -> Snapshot:
+    """Return the fields of a configuration.
+
+    Parameters
+    ----------
+    problem : Problem
+        The bodies, all of elements of one kind.
+    at : Configuration
+        Where they are.
+    label : Label
+        Which step it is.
+    walls : Surface
+        The walls to show.
+    wall_data : mapping of str to array of float, shape (facets, points)
+        Values at the points that walls are drawn with, such as the normal gap [length], open > 0.
+    body_data : mapping of str to array, shape (bodies,)
+        One value a body, such as the pressure of what it holds [stress].
 
     Raises
     ------
@@ -71,55 +83,50 @@ def take_snapshot(
     -----
     Where an element is inverted, at J <= 0, stresses are NaN.
     """
-    full = assembly.expand(displacement)
     return Snapshot(
-        step=step,
-        load_factor=load_factor,
-        plate_displacement=plate_displacement,
-        bulk=_bulk_grid(assembly, full, free_bodies, cell_pressure),
-        walls=_walls_grid(walls, full, gap, contact_pressure),
+        step=label.step,
+        load_factor=label.load_factor,
+        plate_displacement=label.plate_displacement,
+        bulk=_bulk_grid(problem, at.displacement, body_data),
+        walls=_walls_grid(walls, at.displacement, wall_data),
     )
 
 
-def jacobian_range(assembly: Assembly, displacement: Array) -> tuple[float, float]:
+def jacobian_range(space: DisplacementSpace, displacement: Array) -> tuple[float, float]:
     """Return the smallest and the largest J = det F [1].
 
     They are taken over the quadrature points of the stored energy, and over the points that elements are drawn with.
 
     Parameters
     ----------
-    assembly : Assembly
-        The bodies, all of elements of one kind.
+    space : DisplacementSpace
+        The unknowns of the bodies, all of elements of one kind.
     displacement : array of float, shape (unknowns,)
-        The displacement [length]; in a tied assembly slaves follow their masters.
+        The displacement of all unknowns [length].
 
     Raises
     ------
     GeometryError
         If the mesh has elements of several kinds, or pyramids.
     """
-    space = assembly.space
     kind = _element_type(space)
     quadrature = ngsolve.IntegrationRule(kind, 2 * space.order).points
     lattice = pattern_of(kind, space.order).points
     places = _map(space, kind, np.vstack([np.array(quadrature)[:, : space.dimension], lattice]))
-    jacobian = np.linalg.det(_deformation_gradient(space, assembly.expand(displacement), places))
+    jacobian = np.linalg.det(_deformation_gradient(space, displacement, places))
     return float(jacobian.min()), float(jacobian.max())
 
 
-def _bulk_grid(
-    assembly: Assembly, displacement: Array, free_bodies: Collection[int] | Index, cell_pressure: Array | None
-) -> Grid:
-    space = assembly.space
+def _bulk_grid(problem: Problem, displacement: Array, body_data: Mapping[str, NDArray[np.generic]]) -> Grid:
+    space = problem.space
     kind = _element_type(space)
     pattern = pattern_of(kind, space.order)
     places = _map(space, kind, pattern.points)
     body = space.bodies.body_of_element[places["nr"]]
     gradient = _deformation_gradient(space, displacement, places)
-    stress = _cauchy_stress(assembly, gradient, places["nr"])
+    stress = cauchy_stress(problem.terms, gradient, places["nr"])
     cells = _repeat_cells(pattern, len(places))
     cell_id = body[cells[:, 0]]
-    held = {} if cell_pressure is None else {"cell_pressure": cell_pressure[cell_id]}
     return Grid(
         points=_three_components(ngsolve.CF((ngsolve.x, ngsolve.y, ngsolve.z)[: space.dimension])(places)),
         cells=cells,
@@ -130,11 +137,11 @@ def _bulk_grid(
             "cauchy_stress": stress.reshape(-1, 9),
             "von_mises": _von_mises(stress),
         },
-        cell_data={"cell_id": cell_id, "free": np.isin(cell_id, list(free_bodies)).astype(np.int64), **held},
+        cell_data={"cell_id": cell_id, **{name: values[cell_id] for name, values in body_data.items()}},
     )
 
 
-def _walls_grid(walls: Surface, displacement: Array, gap: Array, contact_pressure: Array) -> Grid:
+def _walls_grid(walls: Surface, displacement: Array, wall_data: Mapping[str, Array]) -> Grid:
     """Return one quadratic cell a wall edge."""
     pattern = wall_pattern(walls)
     order = pattern.cells[0]
@@ -146,8 +153,7 @@ def _walls_grid(walls: Surface, displacement: Array, gap: Array, contact_pressur
         cell_type=pattern.cell_type,
         point_data={
             "displacement": _three_components((at_nodes @ moved).reshape(-1, walls.dimension)),
-            "gap": gap[:, order].ravel(),
-            "contact_pressure": contact_pressure[:, order].ravel(),
+            **{name: values[:, order].ravel() for name, values in wall_data.items()},
         },
         cell_data={"cell_id": walls.body},
     )
@@ -174,18 +180,6 @@ def _deformation_gradient(space: DisplacementSpace, displacement: Array, places:
     own = ngsolve.Grad(space.function(displacement))(places).reshape(-1, dimension, dimension)
     gradient[:, :dimension, :dimension] += own
     return gradient
-
-
-def _cauchy_stress(assembly: Assembly, gradient: Array, element: Index) -> Array:
-    stress = np.empty_like(gradient)
-    for law, members in assembly.bulk.materials():
-        mine = members[element]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            stress[mine] = law.cauchy_stress(gradient[mine])
-            if law.fibres is not None:
-                direction = assembly.bulk.fibre_direction[element[mine]]
-                stress[mine] += law.fibres.cauchy_stress(gradient[mine], direction)
-    return stress
 
 
 def _von_mises(stress: Array) -> Array:

@@ -1,7 +1,7 @@
-"""Forces between bodies and on supports, and what they leave held by nothing.
+"""Forces between bodies and on supports.
 
-A force between bodies is that of their contact and of their bonds together. It is reported as the one on the body with
-the lower number; the other body feels its opposite.
+A force between bodies is that of all terms that act between them. It is reported as the one on the body with the lower
+number; the other body feels its opposite.
 """
 
 from __future__ import annotations
@@ -11,7 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.problem.assembly import Assembly
+from ngcell.mechanics.space import DisplacementSpace
+from ngcell.mechanics.term import Interaction
+from ngcell.problem.problem import Problem
+from ngcell.problem.reports import interaction
 from ngcell.problem.state import State
 
 Array = NDArray[np.float64]
@@ -30,7 +33,7 @@ class ContactForces:
     on_body : array of float, shape (bodies, dimension)
         Sum of these forces on each body.
     pressed : array of float, shape (bodies,)
-        Sum of the magnitudes of the forces between each body and its contact pairs.
+        Sum of the magnitudes of the forces between each body and others.
     """
 
     bodies: NDArray[np.int64]
@@ -52,27 +55,16 @@ class ContactForces:
         return np.array([known.get((int(one), int(two)), 0.0) for one, two in pairs])
 
 
-def contact_forces(assembly: Assembly, state: State) -> ContactForces:
-    """Return the forces of contact and bonds of a state; none without contact."""
-    count, dimension = assembly.space.bodies.body_count, assembly.space.dimension
-    if assembly.contact is None or state.contact is None:
-        nobody = np.zeros((0, 2), dtype=np.int64)
-        return ContactForces(nobody, np.zeros((0, dimension)), np.zeros((count, dimension)), np.zeros(count))
-    pairs = state.contact.kinematics.pairs
-    positions = assembly.positions(state.displacement)
-    _, slopes = state.contact.kinematics.slopes(positions)
-    normal_force = state.contact.contact_forces(positions)
-    closed = normal_force > 0
-    force = normal_force[closed, None] * slopes[closed, :dimension]
-    body = assembly.contact.walls.body
-    mine, theirs = body[pairs.primary[closed]], body[pairs.secondary[closed]]
-    on_lower = np.where((mine < theirs)[:, None], force, -force)
-    key = np.minimum(mine, theirs) * count + np.maximum(mine, theirs)
-    if assembly.bonds is not None:
-        bonds = assembly.bonds
-        on_lower = np.concatenate([on_lower, -bonds.slopes(positions)[:, :dimension]])
-        key = np.concatenate([key, bonds.bodies @ [count, 1]])
-    found, place = np.unique(key, return_inverse=True)
+def contact_forces(problem: Problem, state: State) -> ContactForces:
+    """Return the forces between bodies in a state."""
+    return _resultants(interaction(problem.terms, state.at), problem.space.bodies.body_count)
+
+
+def _resultants(acting: Interaction, count: int) -> ContactForces:
+    mine, theirs = acting.bodies.T
+    on_lower = np.where((mine < theirs)[:, None], acting.force, -acting.force)
+    found, place = np.unique(np.minimum(mine, theirs) * count + np.maximum(mine, theirs), return_inverse=True)
+    dimension = acting.force.shape[1]
     sums = np.zeros((len(found), dimension))
     np.add.at(sums, place.ravel(), on_lower)
     bodies = np.column_stack(np.divmod(found, count))
@@ -84,9 +76,8 @@ def contact_forces(assembly: Assembly, state: State) -> ContactForces:
     return ContactForces(bodies, sums, on_body, pressed)
 
 
-def body_resultants(assembly: Assembly, nodal_force: Array) -> Array:
+def body_resultants(space: DisplacementSpace, nodal_force: Array) -> Array:
     """Return the sum of nodal forces over each body, shape (bodies, dimension)."""
-    space = assembly.space
     weighted = nodal_force.reshape(space.dimension, -1) * space.one
     count = space.bodies.body_count
     return np.array([np.bincount(space.body_of_unknown, row, minlength=count) for row in weighted]).T

@@ -18,7 +18,8 @@ from ngcell.contact.pairing.search import nearest_on_body
 from ngcell.contact.surface.find import find_surface
 from ngcell.contact.surface.surface import Surface, SurfacePoints
 from ngcell.mechanics.supports import PrescribedMotion
-from ngcell.problem.assembly import Assembly
+from ngcell.problem.problem import Problem
+from ngcell.problem.reports import contact_pressures, interaction
 from ngcell.problem.state import State
 
 Array = NDArray[np.float64]
@@ -36,31 +37,28 @@ class View:
 
     Attributes
     ----------
-    assembly : Assembly
+    problem : Problem
         What was solved: released.
     state : State
         The accepted state.
+    walls : Surface
+        All walls.
     motion : PrescribedMotion
         The supports.
     reaction : array of float, shape (unknowns,)
         Nodal forces of the supports on the bodies [stress * length].
     """
 
-    assembly: Assembly
+    problem: Problem
     state: State
+    walls: Surface
     motion: PrescribedMotion
     reaction: Array
 
-    @cached_property
-    def walls(self) -> Surface:
-        """The walls in contact."""
-        assert self.assembly.contact is not None
-        return self.assembly.contact.walls
-
-    @cached_property
+    @property
     def positions(self) -> Array:
-        """Deformed positions as unknowns, shape (2, size) [length]."""
-        return self.assembly.positions(self.assembly.expand(self.state.displacement))
+        """Deformed positions as unknowns, shape (dimension, size) [length]."""
+        return self.state.positions
 
     @cached_property
     def nodes(self) -> Array:
@@ -70,7 +68,7 @@ class View:
     @cached_property
     def boundary_of_edge(self) -> NDArray[np.str_]:
         """Name of the boundary that each wall edge belongs to."""
-        bodies = self.assembly.space.bodies
+        bodies = self.problem.space.bodies
         return np.array([edge.mat for edge in bodies.mesh.Boundaries(bodies.wall_names).Elements()])
 
     def edges(self, boundary: str) -> Index:
@@ -79,7 +77,7 @@ class View:
 
     def outline(self, boundary: str) -> Surface:
         """Return any boundary, wall or not, as edges."""
-        space = self.assembly.space
+        space = self.problem.space
         return find_surface(replace(space.bodies, wall_names=boundary), space.scalar, space.rest)
 
     def nominal_pressures(self, boundary: str) -> tuple[Array, Array, Array]:
@@ -89,8 +87,8 @@ class View:
         """
         edge, xi = np.repeat(self.edges(boundary), _PER_EDGE), (np.arange(_PER_EDGE) + 0.5) / _PER_EDGE
         xi = np.tile(xi, len(edge) // _PER_EDGE)
-        assert self.assembly.contact is not None
-        pressure = self.assembly.contact.pressures(self.positions, SurfacePoints(edge, xi, np.zeros(len(edge))))
+        found = contact_pressures(self.problem.terms, self.state.at, SurfacePoints(edge, xi, np.zeros(len(edge))))
+        pressure = np.zeros(len(edge)) if found is None else found
         at_rest, deformed = (_speed(self.walls, nodes, edge, xi) / _PER_EDGE for nodes in (self.walls.rest, self.nodes))
         return pressure, at_rest, deformed
 
@@ -137,12 +135,10 @@ def gap(view: View, one: str, two: str) -> float:
 
 def normal_force(view: View, one: str, two: str) -> float:
     """Sum of the magnitudes of the normal forces between two walls [stress * length], >= 0."""
-    if view.state.contact is None:
-        return 0.0
-    pairs = view.state.contact.kinematics.pairs
-    mine, theirs = view.boundary_of_edge[pairs.primary], view.boundary_of_edge[pairs.secondary]
+    acting = interaction(view.problem.terms, view.state.at)
+    mine, theirs = view.boundary_of_edge[acting.facets].T
     between = ((mine == one) & (theirs == two)) | ((mine == two) & (theirs == one))
-    return float(view.state.contact.contact_forces(view.positions)[between].sum())
+    return float(acting.normal[between].sum())
 
 
 def contact_pressure(view: View, one: str, two: str) -> float:

@@ -7,7 +7,8 @@ case's `side`, stresses that of its material constants; a planar scene is one un
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Literal
 
 
@@ -19,8 +20,8 @@ class StepRecord:
     ----------
     step : int
         Number of the accepted step, from 0.
-    phase : {"tied", "contact"}
-        Whether facing walls are tied, so that the cells are one solid, or are free to part.
+    phase : {"tied", "released"}
+        Whether the walls are tied to one tied solid, or are free to part.
     load_factor : float
         Share of the case's full load, in [0, 1].
     plate_displacement : float
@@ -55,11 +56,13 @@ class StepRecord:
         Energy lost since the reference state where walls snapped apart or were released while the plates stood still
         [stress * length**3]; 0 without cohesion.
     plate_force_z : float
-        Third component of the force of the moved plate [stress * length**2]; 0 in a planar scene.
+        As the other forces of the moved plate; 0 in a planar scene.
+    more : mapping of str to float
+        Further columns, by name: what terms and observables of the scene report.
     """
 
     step: int
-    phase: Literal["tied", "contact"]
+    phase: Literal["tied", "released"]
     load_factor: float
     plate_displacement: float
     largest_gap: float
@@ -81,6 +84,7 @@ class StepRecord:
     bonded_share: float = 0.0
     dissipation: float = 0.0
     plate_force_z: float = 0.0
+    more: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from ngcell.results.certificate import Certificate, Check
+from ngcell.mechanics.report import Check
+from ngcell.results.certificate import Certificate
 from ngcell.results.finding import Finding
 from ngcell.results.record import StepRecord
 

@@ -14,12 +14,9 @@ from ngcell.scene.case_of_bodies import BodyCase
 from ngcell.scene.catalogue import case_name, find_case, shipped_cases
 from ngcell.scene.expected import BodyExpected, Expected
 from ngcell.scene.kinds import AnyCase
-from ngcell.scene.load import Ends, Frame, Plates
-from ngcell.scene.lumen import CellPressure, Fluid, Inclusion
 from ngcell.scene.mesh import BodyMeshChoice, MeshChoice, Refinement
 from ngcell.scene.reader import case_title, read_case, resolved_toml
 from ngcell.scene.registry import register, section_named, section_names
-from ngcell.scene.strategy import Sddp, SingleStep
 from ngcell.scene.vocabulary import schema
 
 __all__ = [
@@ -32,19 +29,11 @@ __all__ = [
     "BodyScene",
     "BodySupport",
     "Case",
-    "CellPressure",
-    "Ends",
     "Expected",
-    "Fluid",
-    "Frame",
-    "Inclusion",
     "Load",
     "MeshChoice",
-    "Plates",
     "Pressure",
     "Refinement",
-    "Sddp",
-    "SingleStep",
     "Traction",
     "case_name",
     "case_title",

@@ -20,7 +20,7 @@ from ngcell.scene.entries import (
     is_number,
     sequence_of,
 )
-from ngcell.scene.load import Levels
+from ngcell.scene.levels import Levels
 from ngcell.scene.mesh import Refinement
 from ngcell.scene.registry import checked, default_of
 
@@ -215,6 +215,10 @@ class BodyScene:
         Where elements are smaller.
     cohesion : Cohesion or CohesiveLaw, optional
         What holds walls together that touch at rest; by default nothing does.
+    strategy : Strategy, optional
+        How the load path is followed; by default by single steps, and with cohesion by load stepping.
+    observables : tuple of Observable
+        What is measured besides what every run measures.
 
     Raises
     ------
@@ -232,6 +236,8 @@ class BodyScene:
     loads: tuple[Pressure | Traction | BodyForce, ...] = ()
     refinements: tuple[Refinement, ...] = ()
     cohesion: Any = None
+    strategy: Any = None
+    observables: tuple[Any, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "bodies", sequence_of(self.bodies, Body, "bodies"))
@@ -253,6 +259,10 @@ class BodyScene:
         if self.steps is not None and (type(self.steps) is not int or self.steps < 1):
             raise CaseError(f"steps is {self.steps!r}; allowed: a whole number >= 1")
         checked("contact", self.contact, "contact")
+        for observable in self.observables:
+            checked("observable", observable, "observables")
+        if self.strategy is not None:
+            checked("strategy", self.strategy, "strategy")
         if self.cohesion is not None:
             checked("cohesion", self.cohesion, "cohesion")
             if not self.contact.goes_with_cohesion:

@@ -22,6 +22,7 @@ Load = Annotated[Any, OneOf("load")]
 Strategy = Annotated[Any, OneOf("strategy")]
 Contact = Annotated[Any, OneOf("contact")]
 Cohesion = Annotated[Any, OneOf("cohesion")]
+Observables = Annotated[tuple[Annotated[Any, OneOf("observable")], ...], Strict(False)]
 
 
 def _default(group: str) -> Any:
@@ -48,7 +49,7 @@ class Case(BaseModel):
         What the cells hold; by default they are empty.
     load : Plates, Frame or Ends
         What moves them.
-    strategy : Sddp or SingleStep
+    strategy : Sddp, SingleStep or LoadStepping
         How the load path is followed.
     contact : Penalty or Mortar
         What walls do to each other.
@@ -56,6 +57,8 @@ class Case(BaseModel):
         What holds walls together; by default nothing does.
     mesh : MeshChoice
         How finely the walls are resolved.
+    observables : tuple of Rotation
+        What is measured besides what every run measures; each becomes a column and a field.
     expected : tuple of Expected
         Numbers that the case is held to.
     """
@@ -72,6 +75,7 @@ class Case(BaseModel):
     contact: Contact = _default("contact")
     cohesion: Cohesion | None = None
     mesh: MeshChoice = MeshChoice()
+    observables: Observables = ()
     expected: Annotated[tuple[Expected, ...], Strict(False)] = ()
 
     @property

@@ -10,10 +10,10 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, Field, Strict, ValidationInfo, field_validator
 
 from ngcell.scene.bodies import BodySupport, Pressure, Traction
-from ngcell.scene.case import Cohesion, Contact
+from ngcell.scene.case import Cohesion, Contact, Observables, Strategy
 from ngcell.scene.choice import OneOf
 from ngcell.scene.expected import ROUND, SUPPORTED, BodyExpected
-from ngcell.scene.load import Levels, level_factors
+from ngcell.scene.levels import Levels, level_factors
 from ngcell.scene.mesh import BodyMeshChoice
 from ngcell.scene.registry import default_of
 from ngcell.scene.scope import in_scope, refuse
@@ -126,8 +126,12 @@ class BodyCase(BaseModel):
         What walls do to each other.
     cohesion : Cohesion, optional
         What holds walls together that touch at rest; by default nothing does.
+    strategy : Sddp, SingleStep or LoadStepping, optional
+        How the load path is followed; by default by single steps, and with cohesion by load stepping.
     mesh : BodyMeshChoice
         How finely the bodies are resolved.
+    observables : tuple of Rotation
+        What is measured besides what every run measures; each becomes a column and a field.
     expected : tuple of BodyExpected
         Numbers that the case is held to.
     """
@@ -143,7 +147,9 @@ class BodyCase(BaseModel):
     loads: Annotated[tuple[LoadEntry, ...], Strict(False)] = ()
     contact: Contact = Field(default_factory=lambda: default_of("contact"))
     cohesion: Cohesion | None = None
+    strategy: Strategy | None = None
     mesh: BodyMeshChoice = BodyMeshChoice()
+    observables: Observables = ()
     expected: Annotated[tuple[BodyExpected, ...], Strict(False)] = ()
 
     @property

@@ -96,17 +96,19 @@ _SHIPPED = {
     ),
     "lumen": Group(
         {
-            "pressure": "ngcell.scene.lumen:CellPressure",
-            "inclusion": "ngcell.scene.lumen:Inclusion",
-            "fluid": "ngcell.scene.lumen:Fluid",
+            "pressure": "ngcell.mechanics.lumens.pressure:CellPressure",
+            "inclusion": "ngcell.mechanics.lumens.inclusion:Inclusion",
+            "fluid": "ngcell.mechanics.lumens.fluid:Fluid",
         },
+        protocol="ngcell.mechanics.lumens.lumen:LumenContents",
     ),
     "load": Group(
         {
-            "plates": "ngcell.scene.load:Plates",
-            "frame": "ngcell.scene.load:Frame",
-            "ends": "ngcell.scene.load:Ends",
+            "plates": "ngcell.mechanics.loading.plates:Plates",
+            "frame": "ngcell.mechanics.loading.frame:Frame",
+            "ends": "ngcell.mechanics.loading.ends:Ends",
         },
+        protocol="ngcell.mechanics.loading.load:TissueLoad",
     ),
     "body-load": Group(
         {
@@ -115,8 +117,17 @@ _SHIPPED = {
         },
     ),
     "strategy": Group(
-        {"sddp": "ngcell.scene.strategy:Sddp", "single-step": "ngcell.scene.strategy:SingleStep"},
+        {
+            "sddp": "ngcell.solve.strategies.sddp:Sddp",
+            "single-step": "ngcell.solve.strategies.single_step:SingleStep",
+            "load-stepping": "ngcell.solve.strategies.load_stepping:LoadStepping",
+        },
         default="sddp",
+        protocol="ngcell.solve.strategies.strategy:Strategy",
+    ),
+    "observable": Group(
+        {"rotation": "ngcell.results.observables.rotation:Rotation"},
+        protocol="ngcell.results.observables.observable:Observable",
     ),
     "contact": Group(
         {

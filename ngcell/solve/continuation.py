@@ -1,66 +1,44 @@
-"""Which equilibrium is meant: the continuation path.
+"""Which equilibrium is meant: continuation in the weight of the proximal term.
 
 Released cells may float, and their corners may pass each other on either side: equilibria of the energy E are not
 unique, not even in energy. The one that is meant is the end of the path of minima of
 
     E(u) + weight/2 |u - centre|^2        (mass norm)
 
-from a strong proximal term to a vanishing one. It is a release by a ramp: the proximal term gives the walls free little by little.
-The path starts at the minimum without contact, which is unique under a strong proximal term: at the centre walls touch and
+from a large weight to a vanishing one. It is a release by a ramp: the proximal term sets the walls free little by little.
+The path starts at the minimum without contact, which is unique under a large weight: at the centre walls touch and
 corners meet corners, and it is the forces in the walls, not the round-off of a start, that decide which way they part.
-So the equilibrium follows from centre and energy alone, not from load steps or from where the continuation came from. In the
+So the equilibrium follows from centre and energy alone, not from load steps or from where the bodies came from. In the
 limit, floating cells sit as near to the centre as contact allows. What the last proximal term still holds is measured and
 reported. Cells that hardly anything holds may cycle on corners of others without end: where the last stretch, from
-`ENOUGH` to `LAST`, takes longer than the way to it, or stalls, the path ends at `ENOUGH`.
+`enough` to `last`, takes longer than the way to it, or stalls, the path ends at `enough`.
 
-Numbers: the scale of the weight is shear modulus over cell size squared, which makes the continuation independent of units.
-At ``FIRST`` the proximal term outweighs everything but the wall's own stiffness, and no pressure in the cells drives walls
-through each other before there is contact; at ``LAST`` it is below every stiffness but that of floating cells. In
-between it falls by `NARROWEST` decades a step, and by more where no wall closes or opens: a proximal term that falls
-faster leaves the path where cells come free, and ends on another equilibrium.
+Numbers (`ngcell.solve.options.ContinuationOptions`): the scale of the weight is shear modulus over cell size squared, which
+makes the path independent of units. At `first` the proximal term outweighs everything but the wall's own stiffness, and no
+pressure in the cells drives walls through each other before there is contact; at `last` it is below every stiffness but
+that of floating cells. In between it falls by `narrowest` decades a step, and by more where no wall closes or opens: a
+weight that falls faster leaves the path where cells come free, and ends on another equilibrium.
 """
 
 from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.solve.effort import Effort
 from ngcell.solve.minimise import Minimiser
-from ngcell.solve.minimum import Ending, Minimum, ProximalTerm
+from ngcell.solve.minimum import Ending, Minimum
+from ngcell.solve.options import ContinuationOptions
 from ngcell.solve.problem import State
+from ngcell.solve.proximal import ProximalTerm
 
 Array = NDArray[np.float64]
 
 _log = logging.getLogger(__name__)
-
-FIRST, ENOUGH, LAST = 1e3, 1e-7, 1e-9
-#: Decades by which the proximal term falls from one minimisation to the next, at least and at most.
-NARROWEST, WIDEST = 0.5, 1.0
-#: Share of the longest step to which the place is rounded where a continuation begins.
-LAST_DIGIT = 1e-6
-#: Strength, in units of the scale, at which contact stiffens: walls have found their contact pairs there, and floating cells
-#: are still held well enough to follow.
-STIFFEN_AT = 1e-5
-#: Decrement at which a minimisation along the path, and the last one, ends: shares of the proximal term's energy.
-ON_THE_WAY, AT_THE_END = 0.01, 1e-10
-#: Decrement at which a minimisation between updates of contact pressures ends: share of the energy that stands for what
-#: conditions are missed by.
-UPDATE = 0.1
-#: Share of the longest step by which conditions of contact and fluids may be missed at the end, and the most updates
-#: to get there.
-CONDITION, MOST_UPDATES = 1e-12, 40
-#: Iterations of one minimisation that are cycle, on the last stretch and between updates of conditions.
-CYCLING = 200
-#: Share of what was missed before above which an update was slow.
-SLOW = 0.25
-#: Share of the energy that is nothing: a decrement on the way, or what is missed where updates hardly help, as slivers
-#: of walls bear nothing.
-NOTHING = 1e-11
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,22 +52,18 @@ class _Enough:
 
 @dataclass(frozen=True)
 class Continuation:
-    """The path's steps.
+    """The path.
 
     Attributes
     ----------
     scale : float
         Shear modulus over squared size of a body [stress / length**2].
-    first, last : float
-        Strength at the start and at the end in units of `scale`.
-    narrowest : float
-        Decades by which the weight falls where walls close or open.
+    options : ContinuationOptions
+        The method's own numbers; weights in units of `scale`.
     """
 
     scale: float
-    first: float = FIRST
-    last: float = LAST
-    narrowest: float = NARROWEST
+    options: ContinuationOptions = field(default_factory=ContinuationOptions)
 
     def select(
         self,
@@ -100,23 +74,24 @@ class Continuation:
         *,
         may_stall: bool = True,
     ) -> Minimum:
-        """Follow the path and return its end; a minimisation that fails ends the continuation.
+        """Follow the path and return its end; a minimisation that fails ends it.
 
         Parameters
         ----------
         apart : Minimiser
             Of the problem without contact.
         minimisers : sequence of Minimiser
-            Of the released problem, with contact from soft to stiff: the path is followed with the first down to
-            `STIFFEN_AT`, where the others take over one after the other, and to its end with the last.
+            Of the released problem, with contact from soft to stiff: the first follows the path down to
+            `stiffen_at`, where the others take over one after the other; the last goes to its end.
         start, centre : array of float, shape (unknowns,)
-            Where the continuation starts and where the proximal term pulls to [length].
+            Where the path starts, and the centre of the proximal term [length].
         may_stall : bool
             Whether a minimisation may stall where the proximal term is still strong; what lies behind may be another
             equilibrium, and a smaller load step would not have come there.
         """
-        # Down to round-off, and then cut, so that whatever the start, the continuation goes on from the same place.
-        minimum, _ = _minimise(apart, start, self._proximal(self.first, centre), 0.0, self.first)
+        # Down to round-off, and then cut, so that whatever the start, the path goes on from the same place.
+        options = self.options
+        minimum, _ = _minimise(apart, start, self._proximal(self.options.first, centre), 0.0, self.options.first)
         for minimiser in minimisers:
             minimiser.forget_matrix()
         if not minimum.is_found:
@@ -125,52 +100,56 @@ class Continuation:
         if instead is None:
             return minimum
         _log.info("the path ends at %.0e", instead.weight)
-        proximal, most = self._proximal(instead.weight, centre), max(CYCLING, instead.way)
-        minimum, _ = _minimise(minimisers[-1], instead.place, proximal, AT_THE_END, instead.weight, most=most)
+        proximal, most = self._proximal(instead.weight, centre), max(options.cycling, instead.way)
+        minimum, _ = _minimise(minimisers[-1], instead.place, proximal, options.at_the_end, instead.weight, most=most)
         if not minimum.is_found:
             return minimum
-        return until_conditions_hold(minimisers[-1], minimum, minimisers[-1].longest_step, instead.weight)
+        last = minimisers[-1]
+        return until_conditions_hold(last, minimum, last.longest_step, options, name=instead.weight)
 
     def _follow(
         self, minimisers: Sequence[Minimiser], start: State, centre: Array, may_stall: bool
     ) -> tuple[Minimum, _Enough | None]:
-        """Return the last minimum of the continuation, and where the path may end instead, if its last stretch failed."""
-        rest, weight, decades = list(minimisers), self.first, self.narrowest
-        place, energy = _without_round_off(start.displacement, minimisers[0]), start.energy
+        """Return the last minimum, and where the path may end instead, if its last stretch failed."""
+        options = self.options
+        rest, weight, decades = list(minimisers), self.options.first, self.options.narrowest
+        place, energy = _without_round_off(start.displacement, minimisers[0], options.last_digit), start.energy
         missed, way, enough = 0.0, 0, None
         while not (enough and way > 2 * enough.way):
-            minimiser, is_end = rest[0], len(rest) == 1 and weight <= self.last
-            if enough is None and len(rest) == 1 and self.last < weight <= ENOUGH:
+            minimiser, is_end = rest[0], len(rest) == 1 and weight <= self.options.last
+            if enough is None and len(rest) == 1 and self.options.last < weight <= options.enough:
                 enough = _Enough(place, weight, way)
-            share, least = (AT_THE_END, 0.0) if is_end else (ON_THE_WAY, NOTHING * abs(energy))
-            least, most = max(UPDATE * missed, least), CYCLING if enough else None
+            share, least = (options.at_the_end, 0.0) if is_end else (options.on_the_way, options.nothing * abs(energy))
+            least, most = max(options.update * missed, least), options.cycling if enough else None
             proximal = self._proximal(weight, centre)
             minimum, effort = _minimise(minimiser, place, proximal, share, weight, least, most)
             way += effort.iterations
-            if minimum.ending is Ending.STALLED and weight > STIFFEN_AT and not may_stall:
+            if minimum.ending is Ending.STALLED and weight > options.stiffen_at and not may_stall:
                 minimum = replace(minimum, ending=Ending.NO_DESCENT)
             if minimum.is_found and is_end:
                 most = 2 * enough.way - way if enough else None
-                minimum = until_conditions_hold(minimiser, minimum, minimiser.longest_step, weight, most)
+                minimum = until_conditions_hold(
+                    minimiser, minimum, minimiser.longest_step, options, name=weight, most=most
+                )
                 return minimum, None if minimum.ending is Ending.CONVERGED else enough
             if not minimum.is_found:
                 break
             place, energy = minimum.state.displacement, minimum.state.energy
             _, missed = minimiser.problem.update_multipliers(minimum.state)
-            if len(rest) > 1 and weight <= max(STIFFEN_AT, self.last):
+            if len(rest) > 1 and weight <= max(options.stiffen_at, self.options.last):
                 rest.pop(0)
-                rest[0].problem.follow(minimiser.problem, minimum.state)
+                rest[0].problem.start_from(minimiser.problem, minimum.state)
                 rest[0].adopt_matrix(minimiser)
                 continue
             # Longer and longer strides while no wall closes or opens.
-            decades = min(2 * decades, WIDEST) if effort.factorisations <= 1 else self.narrowest
-            milestone = max(STIFFEN_AT, self.last) if len(rest) > 1 else self.last
+            decades = min(2 * decades, options.widest) if effort.factorisations <= 1 else self.options.narrowest
+            milestone = max(options.stiffen_at, self.options.last) if len(rest) > 1 else self.options.last
             weight = max(weight / 10**decades, milestone)
         return minimum, enough
 
     def last_proximal(self, centre: Array) -> ProximalTerm:
         """Return the proximal term at the path's end."""
-        return self._proximal(self.last, centre)
+        return self._proximal(self.options.last, centre)
 
     def _proximal(self, weight: float, centre: Array) -> ProximalTerm:
         """Return a proximal term of this weight in units of the scale."""
@@ -178,25 +157,31 @@ class Continuation:
 
 
 def until_conditions_hold(
-    minimiser: Minimiser, minimum: Minimum, length: float, name: float = 0.0, most: int | None = None
+    minimiser: Minimiser,
+    minimum: Minimum,
+    length: float,
+    options: ContinuationOptions,
+    *,
+    name: float = 0.0,
+    most: int | None = None,
 ) -> Minimum:
     """Update multipliers and minimise in turn until what is missed is nothing beside `length`.
 
-    A continuation that cycles goes on for at most so many iterations.
+    Where the active set cycles, it goes on for at most so many iterations.
     """
     before, was_increased, spent = float("inf"), False, minimiser.effort.iterations
-    for _ in range(MOST_UPDATES):
+    for _ in range(options.most_updates):
         missed, energy = minimiser.problem.update_multipliers(minimum.state)
-        helpless = was_increased and missed > before / 2 and energy <= NOTHING * abs(minimum.state.energy)
-        if missed <= CONDITION * length or helpless:
+        helpless = was_increased and missed > before / 2 and energy <= options.nothing * abs(minimum.state.energy)
+        if missed <= options.condition * length or helpless:
             return minimum
         _log.info("conditions missed by %.1e", missed)
-        was_increased = missed > SLOW * before
+        was_increased = missed > options.slow * before
         if was_increased:
             minimiser.problem.increase_penalty()
         before = missed
-        start, tolerance = minimum.state.displacement, UPDATE * energy
-        minimum, _ = _minimise(minimiser, start, minimum.proximal, AT_THE_END, name, tolerance, CYCLING)
+        start, tolerance = minimum.state.displacement, options.update * energy
+        minimum, _ = _minimise(minimiser, start, minimum.proximal, options.at_the_end, name, tolerance, options.cycling)
         if not minimum.is_found:
             return minimum
         cycles = minimum.ending is Ending.STALLED
@@ -205,13 +190,13 @@ def until_conditions_hold(
     return replace(minimum, ending=Ending.CONDITIONS_MISSED)
 
 
-def _without_round_off(place: Array, minimiser: Minimiser) -> Array:
+def _without_round_off(place: Array, minimiser: Minimiser, last_digit: float) -> Array:
     """Return a place where round-off says nothing of how it was reached: digits that no equilibrium depends on are cut.
 
-    A nearly symmetric tissue chooses between branches by its last digits. From here the continuation is the same to the bit,
+    A nearly symmetric tissue chooses between branches by its last digits. From here the path is the same to the bit,
     whatever the start and the levels before.
     """
-    digit = LAST_DIGIT * minimiser.longest_step
+    digit = last_digit * minimiser.longest_step
     return np.where(minimiser.problem.free, digit * np.round(place / digit), place)
 
 
@@ -228,7 +213,7 @@ def _minimise(
     minimum = minimiser.minimise(start, proximal, max(share * minimiser.proximal_energy(start, proximal), enough), most)
     spent = minimiser.effort - before
     _log.info(
-        "proximal term %.0e: %s, %d iterations, %d factorisations, %d refused, energy %.8e, decrement %.0e",
+        "proximal weight %.0e: %s, %d iterations, %d factorisations, %d refused, energy %.8e, decrement %.0e",
         name,
         minimum.ending.value,
         spent.iterations,

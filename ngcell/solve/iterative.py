@@ -154,14 +154,14 @@ class IterativeMatrix:
         self._whole.load(self._penalised.values[: self.entry_count])
         right = np.where(self._free, right, 0.0)
         solution, residual = np.zeros_like(right), right
-        step, before, enough = np.zeros_like(right), 1.0, None
+        step, before, first = np.zeros_like(right), 1.0, 0.0
         for _ in range(MOST_ITERATIONS):
             towards, concave = self._preconditioned(residual)
             if concave is not None:
                 return self._uphill(right, concave)
             slope = float(residual @ towards)
-            enough = RESIDUAL**2 * slope if enough is None else enough
-            if slope <= enough:
+            first = first or slope
+            if slope <= RESIDUAL**2 * first:
                 break
             self.iterations += 1
             step = towards + slope / before * step if step.any() else towards
@@ -173,7 +173,7 @@ class IterativeMatrix:
             solution = solution + slope / curvature * step
             residual = residual - slope / curvature * stretched
         else:
-            _log.info("conjugate gradients stopped at a residual of %.1e", np.sqrt(slope / (enough / RESIDUAL**2)))
+            _log.info("conjugate gradients stopped at a residual of %.1e", np.sqrt(slope / first))
         return solution
 
     def _product(self, penalised: Penalised, vector: Array) -> Array:

@@ -180,8 +180,9 @@ class Factor:
     def solve(self, right: Array) -> Array:
         """Return the solution; 0 in rows that are not free."""
         self._right.FV().NumPy()[:] = right
+        assert self._inverse is not None  # `update` has made one
         self._inverse.Mult(self._right, self._left)
-        return self._left.FV().NumPy().copy()
+        return np.array(self._left.FV().NumPy())
 
 
 def _copied(kind: type, values: NDArray[Any]) -> Any:

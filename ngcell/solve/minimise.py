@@ -18,41 +18,15 @@ from numpy.typing import NDArray
 
 from ngcell.clock import Clock
 from ngcell.solve.effort import Effort
-from ngcell.solve.linear import SymmetricMatrix
-from ngcell.solve.minimum import Ending, Minimum, ProximalTerm
+from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.one_sided import Matrix, OneSidedModel, minimise_one_sided
+from ngcell.solve.options import MinimiserOptions
 from ngcell.solve.problem import Linearisation, Problem, State
+from ngcell.solve.proximal import ProximalTerm
+from ngcell.solve.system import System, direct_system, iterative_system
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
-
-#: Share of the foreseen decrease below which a step is refused, and above which the damping falls.
-POOR, FAIR = 1e-4, 0.25
-#: Factors of the damping after a refused, a poor and a good step.
-RAISE, NUDGE, LOWER = 8.0, 2.0, 0.1
-#: Shares of a step's slope at which a damping is felt along the step, and at which it is not.
-FELT, UNFELT = 0.1, 1e-4
-#: Differences of energies below this share of the energy are round-off; so are decrements below `NO_DECREMENT`.
-ROUND_OFF, NO_DECREMENT = 1e-13, 1e-18
-#: A decrement below this share of the energy, or below so many times its round-off at rest, is lost once as many
-#: iterations as `IDLE` left it at its lowest: forces are round-off, or steps go to and fro at a kink of the energy, as
-#: where walls end at a corner of three cells. Fewer do not tell: where cells roll, it rests before it falls again.
-STALLED, UNSEEN, IDLE = 1e-12, 10.0, 5
-#: Gap, as a share of the longest step, below which a prediction keeps walls closed.
-TOUCHING = 1e-6
-#: Round-off of an energy at rest, as a share of the scale: there it is a difference of numbers of order one.
-NOISE = 1e-16
-MOST_REFUSALS = 25
-#: Room for contacts to come, in longest steps: what a matrix must have, and what a new one gets. It fills the matrix
-#: little, and a new one costs as much as ten factorisations.
-MARGIN, WIDE_MARGIN = 2.0, 4.0
-#: Most unknowns in three dimensions that are solved for by a direct solver; in the plane all are.
-MOST_DIRECT = 200_000
-
-
-def is_iterative(problem: Problem) -> bool:
-    """Return whether the systems of a problem are solved by iterations, and not factorised in one piece."""
-    return len(problem.free) > MOST_DIRECT and problem.dimension == 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,8 +51,8 @@ class Minimiser:
         Largest change of a displacement unknown in one iteration [length].
     energy_scale : float
         An energy beside which that of an undeformed state is nothing: a modulus times the volume [energy].
-    most_iterations : int
-        Limit of one minimisation. Where rows of cells slide past others at once, it takes some hundreds.
+    options : MinimiserOptions
+        The method's own numbers.
     clock : Clock
         Where the seconds are added up.
     """
@@ -86,24 +60,25 @@ class Minimiser:
     problem: Problem
     longest_step: float
     energy_scale: float
-    most_iterations: int = 1000
+    options: MinimiserOptions = field(default_factory=MinimiserOptions)
     clock: Clock = field(default_factory=Clock)
     effort: Effort = field(default_factory=Effort)
-    _matrix: Matrix | None = None
+    _system: System | None = None
     _near_at: Array | None = None
+    _may_touch: bool = False
 
     def minimise(
         self, start: Array, proximal: ProximalTerm, tolerance: float = 0.0, most: int | None = None
     ) -> Minimum:
         """Descend from `start` until the Newton decrement is below `tolerance` [energy], or lost in round-off.
 
-        It ends after `most` iterations, by default `most_iterations`.
+        It ends after `most` iterations, by default as many as the options say.
         """
         state, damping, decrement = self._at(start), 0.0, float("inf")
         lowest, idle = decrement, 0
         if not np.isfinite(state.energy):
             return Minimum(state, Ending.NO_ENERGY, decrement, proximal)
-        for _ in range(most or self.most_iterations):
+        for _ in range(most or self.options.most_iterations):
             self.effort.iterations += 1
             advance = self._descend(state, proximal, damping, tolerance)
             if advance is None:
@@ -115,7 +90,9 @@ class Minimiser:
                 lowest, idle = decrement, 0
             elif decrement <= 4 * lowest:
                 idle += 1
-            if idle == IDLE and lowest <= max(STALLED * abs(state.energy), UNSEEN * NOISE * self.energy_scale):
+            if idle == self.options.idle and lowest <= max(
+                self.options.stalled * abs(state.energy), self.options.unseen * self.options.noise * self.energy_scale
+            ):
                 return Minimum(state, Ending.STALLED, decrement, proximal)
         return Minimum(state, Ending.TOO_MANY_ITERATIONS, decrement, proximal)
 
@@ -126,32 +103,36 @@ class Minimiser:
         """
         state = self._at(displacement)
         jump = np.where(self.problem.free, 0.0, imposed - displacement)
-        model = self._model(state, self.problem.linearise(state), ProximalTerm(weight, displacement), 0.0)
-        touching = np.flatnonzero(model.gap <= TOUCHING * self.longest_step)
-        jacobian, penalty = model.jacobian[touching], model.penalty[touching]
-        values = self._matrix.add_penalty_terms(model.stiffness, jacobian, penalty)
-        self._matrix.factorise(values)
+        model, matrix = self._model(state, self.problem.linearise(state), ProximalTerm(weight, displacement), 0.0)
+        touching = np.flatnonzero(model.gap <= self.options.touching * self.longest_step)
+        values = matrix.add_penalty_terms(model.stiffness, model.jacobian[touching], model.penalty[touching])
+        matrix.factorise(values)
         self.effort.factorisations += 1
-        return displacement + jump - self._matrix.solve(self._matrix.multiply(values, jump))
+        return displacement + jump - matrix.solve(matrix.multiply(values, jump))
 
     def adopt_matrix(self, other: Minimiser) -> None:
         """Take over the matrix of a minimiser that has the same unknowns and bodies, if there is none yet."""
-        if self._matrix is None and other._matrix is not None:
-            self._matrix, self._bulk = other._matrix, other._bulk
-            self._mass, self._mass_values = other._mass, other._mass_values
+        self._system = self._system or other._system
 
     def forget_matrix(self) -> None:
         """Make the next matrix anew, so that its order of elimination tells nothing of earlier minimisations."""
-        self._matrix = self._near_at = None
+        self._system = self._near_at = None
 
     def proximal_energy(self, displacement: Array, proximal: ProximalTerm) -> float:
         """Return the energy of a proximal term."""
-        away = displacement - proximal.centre
-        return 0.5 * proximal.weight * float(away @ (self.problem.mass @ away))
+        return proximal.value(displacement, self.problem.mass)
+
+    @property
+    def is_iterative(self) -> bool:
+        """Whether systems are solved by iterations, and not factorised in one piece."""
+        return len(self.problem.free) > self.options.most_direct and self.problem.dimension == 3
 
     def _is_lost(self, state: State, decrement: float) -> bool:
         """Return whether a decrement is round-off of the energy."""
-        return decrement <= max(NO_DECREMENT * abs(state.energy), NO_DECREMENT**1.5 * self.energy_scale)
+        return bool(
+            decrement
+            <= max(self.options.no_decrement * abs(state.energy), self.options.no_decrement**1.5 * self.energy_scale)
+        )
 
     def _at(self, displacement: Array) -> State:
         self.effort.evaluations += 1
@@ -166,28 +147,29 @@ class Minimiser:
         with self.clock.phase("assembly"):
             line = self.problem.linearise(state)
         energy = state.energy + self.proximal_energy(state.displacement, proximal)
-        lost = max(ROUND_OFF * abs(energy), NOISE * self.energy_scale)
-        model, is_last = self._model(state, line, proximal, damping), False
-        for _ in range(MOST_REFUSALS):
-            step, change = self._step(model)
+        lost = max(self.options.round_off * abs(energy), self.options.noise * self.energy_scale)
+        (model, matrix), is_last = self._model(state, line, proximal, damping), False
+        for _ in range(self.options.most_refusals):
+            step, change = self._step(model, matrix)
             decrement = -float(model.full_gradient @ step)
             if change <= 0 <= decrement:
                 trial, gain = self._tried(state, step, proximal, energy)
                 if -lost < change and -lost < gain:
                     return _Advance(trial, 0.0, decrement, damping)
-                if gain <= POOR * -change:
-                    bent = self._bent(line, model, step, trial, POOR * -change - gain)
+                if gain <= self.options.poor * -change:
+                    bent = self._bent(line, (model, matrix), step, trial, self.options.poor * -change - gain)
                     if bent is not None:
                         bent_trial, bent_gain = self._tried(state, bent, proximal, energy)
-                        if bent_gain > POOR * -change:
+                        if bent_gain > self.options.poor * -change:
                             trial, gain = bent_trial, bent_gain
                 quality = gain / -change if change < 0 else -np.inf
                 is_last = is_last or (damping == 0 and decrement <= tolerance)
-                if quality > POOR:
+                if quality > self.options.poor:
                     relaxed = self._relaxed(damping, quality, model, step)
                     return _Advance(trial, relaxed, decrement, 0.0 if is_last else damping)
-            raised = max(RAISE * damping, self._weight_of(FELT, model, step))
-            model, damping = self._raised(model, raised - damping), raised
+            raised = max(self.options.raise_by * damping, self._weight_of(self.options.felt, model, step))
+            stiffness = self._required.with_metric(model.stiffness, raised - damping)
+            model, damping = replace(model, stiffness=stiffness), raised
             self.effort.refusals += 1
         return None
 
@@ -197,7 +179,7 @@ class Minimiser:
         return trial, energy - trial.energy - self.proximal_energy(trial.displacement, proximal)
 
     def _bent(
-        self, line: Linearisation, model: OneSidedModel, step: Array, trial: State, lacking: float
+        self, line: Linearisation, system: tuple[OneSidedModel, Matrix], step: Array, trial: State, lacking: float
     ) -> Array | None:
         """Return a step that follows the curvature of gaps; None where it is of no use.
 
@@ -205,6 +187,7 @@ class Minimiser:
         their linear parts is added to the penalty terms, and the model is minimised again: a second-order correction. It wins
         back what the penalty terms store beyond the model; where the energy that is `lacking` is more, it is not tried.
         """
+        model, matrix = system
         if not np.isfinite(trial.energy) or not len(model.gap):
             return None
         foreseen = model.gap + model.jacobian @ step
@@ -216,49 +199,50 @@ class Minimiser:
             return None
         if model.stored(foreseen + surplus) - model.stored(foreseen) <= lacking:
             return None
-        bent, change = self._step(replace(model, gap=model.gap + surplus))
+        bent, change = self._step(replace(model, gap=model.gap + surplus), matrix)
         return bent if change <= 0 else None
 
-    def _step(self, model: OneSidedModel) -> tuple[Array, float]:
+    def _step(self, model: OneSidedModel, matrix: Matrix) -> tuple[Array, float]:
         """Return a step no longer than allowed, and the change of the model."""
         with self.clock.phase("factorisation"):
-            step, change, rounds = minimise_one_sided(model, self._matrix)
+            step, change, rounds = minimise_one_sided(model, matrix, self.options.inner)
         self.effort.factorisations += rounds
         longest = float(np.abs(step).max())
         if longest > self.longest_step:
             step = step * (self.longest_step / longest)
-            change = model.change(step, self._matrix.multiply(model.stiffness, step), model.jacobian @ step)
+            change = model.change(step, matrix.multiply(model.stiffness, step), model.jacobian @ step)
         return step, change
 
     def _relaxed(self, damping: float, quality: float, model: OneSidedModel, step: Array) -> float:
         """Return the damping after an accepted step; one that is not felt along the step becomes zero."""
-        unfelt = self._weight_of(UNFELT, model, step)
-        if quality < FAIR:
-            return max(NUDGE * damping, unfelt)
-        return LOWER * damping if LOWER * damping > unfelt else 0.0
+        unfelt = self._weight_of(self.options.unfelt, model, step)
+        if quality < self.options.fair:
+            return max(self.options.nudge_by * damping, unfelt)
+        return self.options.lower_by * damping if self.options.lower_by * damping > unfelt else 0.0
 
     def _weight_of(self, share: float, model: OneSidedModel, step: Array) -> float:
         """Return the damping whose curvature along the step is this share of the model's slope along it."""
         weight = float(step @ (self.problem.mass @ step))
         return share * abs(float(model.full_gradient @ step)) / max(weight, np.finfo(float).tiny)
 
-    def _model(self, state: State, line: Linearisation, proximal: ProximalTerm, damping: float) -> OneSidedModel:
+    def _model(
+        self, state: State, line: Linearisation, proximal: ProximalTerm, damping: float
+    ) -> tuple[OneSidedModel, Matrix]:
+        """Return the second-order model with its proximal term and damping, and the matrix that solves for it."""
         with self.clock.phase("assembly"):
             self._make_room(state)
-            matrix, mass = self._matrix, self.problem.mass
-            values = np.bincount(self._bulk, weights=line.stiffness, minlength=matrix.entry_count)
-            values[self._mass] += (proximal.weight + damping) * self._mass_values
+            system, free = self._required, self.problem.free
+            values = system.with_metric(system.of_pattern(line.stiffness), proximal.weight + damping)
             if line.curvature is not None:
-                values = matrix.add(values, line.curvature)
-            gradient = line.gradient + proximal.weight * (mass @ (state.displacement - proximal.centre))
-            gradient = np.where(self.problem.free, gradient, 0.0)
-            return OneSidedModel(gradient, values, line.gap, line.jacobian, line.penalty, self.problem.free)
+                values = system.matrix.add(values, line.curvature)
+            gradient = line.gradient + proximal.gradient(state.displacement, self.problem.mass)
+            model = OneSidedModel(np.where(free, gradient, 0.0), values, line.gap, line.jacobian, line.penalty, free)
+            return model, system.matrix
 
-    def _raised(self, model: OneSidedModel, rise: float) -> OneSidedModel:
-        """Return the model with its damping raised."""
-        stiffness = model.stiffness.copy()
-        stiffness[self._mass] += rise * self._mass_values
-        return replace(model, stiffness=stiffness)
+    @property
+    def _required(self) -> System:
+        assert self._system is not None  # `_make_room` has made one
+        return self._system
 
     def _is_near(self, state: State, margin: float) -> bool:
         if self._near_at is None:
@@ -267,35 +251,17 @@ class Minimiser:
 
     def _make_room(self, state: State) -> None:
         """Make a matrix, or a new one when walls that may have come into reach have no room in it."""
-        if is_iterative(self.problem):
-            if self._matrix is None:
-                self._make_matrix(None)
+        if self.is_iterative:
+            self._system = self._system or iterative_system(self.problem)
             return
-        margin = MARGIN * self.longest_step
-        if self._matrix is not None and self._is_near(state, margin):
+        margin = self.options.margin * self.longest_step
+        if self._system is not None and self._is_near(state, margin):
             return
         near = self.problem.couplings(state, margin)
         self._near_at, self._may_touch = state.displacement, bool(len(near[0]))
-        if self._matrix is not None and self._matrix.has_room(*near):
+        if self._system is not None and self._system.matrix.has_room(*near):
             return
         self.effort.patterns += 1
-        near = self.problem.couplings(state, WIDE_MARGIN * self.longest_step)
-        self._make_matrix(near)
-
-    def _make_matrix(self, near: tuple[Index, Index] | None) -> None:
-        """Make a matrix with room for these entries, or one that needs none."""
-        bulk, mass = self.problem.pattern, self.problem.mass.tocoo()
-        lower = mass.coords[0] >= mass.coords[1]
-        mass_entries = tuple(index[lower].astype(np.int64) for index in mass.coords)
-        parts = (bulk, mass_entries) if near is None else (bulk, mass_entries, near)
-        rows, columns = (np.concatenate(part) for part in zip(*parts, strict=True))
-        size, free = len(self.problem.free), self.problem.free
-        if near is None:
-            from ngcell.solve.iterative import IterativeMatrix
-
-            self._matrix = IterativeMatrix(size, free, rows, columns, self.problem.part)
-        else:
-            self._matrix = SymmetricMatrix(size, free, rows, columns)
-        self._bulk = self._matrix.locate(*bulk)
-        self._mass = self._matrix.locate(*mass_entries)
-        self._mass_values = mass.data[lower]
+        self._system = direct_system(
+            self.problem, self.problem.couplings(state, self.options.wide_margin * self.longest_step)
+        )

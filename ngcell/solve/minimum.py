@@ -1,16 +1,12 @@
-"""Where a minimisation ends, and what pulls at it on the way."""
+"""Where a minimisation ends."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ngcell.solve.problem import State
-
-Array = NDArray[np.float64]
+from ngcell.solve.proximal import ProximalTerm
 
 
 class Ending(Enum):
@@ -25,22 +21,6 @@ class Ending(Enum):
 
 
 @dataclass(frozen=True, eq=False)
-class ProximalTerm:
-    """Weak penalty terms to an centre: ``weight/2 |u - centre|^2`` in the mass norm.
-
-    Attributes
-    ----------
-    weight : float
-        Stiffness per reference volume [stress / length**2], >= 0.
-    centre : array of float, shape (unknowns,)
-        Where the penalty terms are at rest [length].
-    """
-
-    weight: float
-    centre: Array
-
-
-@dataclass(frozen=True, eq=False)
 class Minimum:
     """Where a minimisation ended.
 
@@ -52,8 +32,8 @@ class Minimum:
         How it ended.
     decrement : float
         Newton decrement ``g K^-1 g`` [energy] of the last step.
-    proximal term : ProximalTerm
-        What pulled at it.
+    proximal : ProximalTerm
+        What held floating bodies.
     """
 
     state: State

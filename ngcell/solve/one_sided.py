@@ -17,15 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from ngcell.solve.options import InnerOptions
+
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
-
-#: Inner iterations; stopping early costs nothing but a less good step, which the outer iteration judges.
-MOST_ROUNDS = 8
-#: The inner iteration ends when it gains less than this share of the decrease so far.
-WORTHWHILE_GAIN = 0.02
-#: Factor by which corrections of an inverse may enlarge round-off.
-LOST = 1e6
 
 
 class Matrix(Protocol):
@@ -110,16 +105,16 @@ class OneSidedModel:
         return float(self.full_gradient @ step + 0.5 * (step @ curved) + 0.5 * (self.penalty @ bent))
 
 
-def minimise_one_sided(model: OneSidedModel, matrix: Matrix) -> tuple[Array, float, int]:
+def minimise_one_sided(model: OneSidedModel, matrix: Matrix, options: InnerOptions) -> tuple[Array, float, int]:
     """Return a step that nearly minimises the model, the change of the model, and the number of factorisations.
 
     The change is not negative if the matrix is not positive definite along the way.
     """
     step, curved = np.zeros_like(model.gradient), np.zeros_like(model.gradient)
     gap, moved = model.gap, np.zeros_like(model.gap)
-    change, quadratics = 0.0, _Quadratics(model, matrix)
+    change, quadratics = 0.0, _Quadratics(model, matrix, options.lost)
     closed = np.flatnonzero(gap < 0)
-    for _ in range(MOST_ROUNDS):
+    for _ in range(options.most_rounds):
         towards = quadratics.minimum(closed) - step
         way, curves = model.jacobian @ towards, matrix.multiply(model.stiffness, towards)
         constant, linear = float(model.gradient @ towards + step @ curves), float(towards @ curves)
@@ -129,7 +124,7 @@ def minimise_one_sided(model: OneSidedModel, matrix: Matrix) -> tuple[Array, flo
         before, change = change, model.change(step, curved, moved)
         was_closed, closed = closed, np.flatnonzero(gap < 0)
         settled = np.array_equal(was_closed, closed)
-        if settled or not change < 0 or before - change < -WORTHWHILE_GAIN * change:
+        if settled or not change < 0 or before - change < -options.worthwhile_gain * change:
             break
     return step, change, quadratics.factorisations
 
@@ -142,8 +137,8 @@ class _Quadratics:
     doi:10.1137/1031049).
     """
 
-    def __init__(self, model: OneSidedModel, matrix: Matrix) -> None:
-        self._model, self._matrix = model, matrix
+    def __init__(self, model: OneSidedModel, matrix: Matrix, lost: float) -> None:
+        self._model, self._matrix, self._lost = model, matrix, lost
         self._acting: Index | None = None
         self._pulled: dict[int, Array] = {}
         self.factorisations = 0
@@ -188,7 +183,7 @@ class _Quadratics:
             force = np.linalg.solve(root[:, None] * (jacobian @ pulled) + np.diag(np.where(closes, 1.0, -1.0)), gap)
         except np.linalg.LinAlgError:
             return None
-        return solution - pulled @ force if np.abs(force).max() <= LOST * np.abs(gap).max() else None
+        return solution - pulled @ force if np.abs(force).max() <= self._lost * np.abs(gap).max() else None
 
 
 def _root_of_slope(constant: float, linear: float, penalty: Array, gap: Array, moved: Array) -> float:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Sequence
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,21 +26,55 @@ class State(Protocol):
 
 
 class Linearisation(Protocol):
-    """Second-order model about a state; see `ngcell.contact.state.Linearisation`."""
+    """Second-order model about a state; see `ngcell.problem.state.Linearisation`."""
 
-    gradient: Array
-    stiffness: Array
-    curvature: sparse.coo_array | None
-    gap: Array
-    jacobian: sparse.csr_array
-    penalty: Array
-    keys: Index
+    @property
+    def gradient(self) -> Array:
+        """Gradient without that of one-sided constraints, shape (unknowns,)."""
+
+    @property
+    def stiffness(self) -> Array:
+        """Second derivative on the lower pattern of the problem, without `curvature`."""
+
+    @property
+    def curvature(self) -> sparse.coo_array | None:
+        """The part of the second derivative whose pattern moves."""
+
+    @property
+    def gap(self) -> Array:
+        """Gaps of the one-sided constraints, shape (n,)."""
+
+    @property
+    def jacobian(self) -> sparse.csr_array:
+        """Their derivatives, shape (n, unknowns)."""
+
+    @property
+    def penalty(self) -> Array:
+        """Their stiffness, shape (n,)."""
+
+    @property
+    def keys(self) -> Index:
+        """What tells the constraints of different states apart."""
+
+
+class Driven(Protocol):
+    """How a load takes in work."""
+
+    @property
+    def share(self) -> float:
+        """Share of the full load that acts."""
+
+    @property
+    def potential(self) -> float:
+        """Potential at the full load."""
 
 
 class Problem(Protocol):
-    """An energy of many unknowns with one-sided penalty terms."""
+    """An energy of many unknowns with one-sided constraints."""
 
-    free: NDArray[np.bool_]
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """Unknowns that are solved for, shape (unknowns,)."""
 
     @property
     def dimension(self) -> int:
@@ -47,11 +82,11 @@ class Problem(Protocol):
 
     @property
     def part(self) -> Index:
-        """Body of each unknown: what unknowns of different bodies have in common are penalty terms and ties only."""
+        """Body of each unknown: what unknowns of different bodies have in common are constraints and ties only."""
 
     @property
     def mass(self) -> sparse.csr_array:
-        """Weight of displacements, shape (unknowns, unknowns)."""
+        """Metric of displacements, shape (unknowns, unknowns)."""
 
     @property
     def pattern(self) -> tuple[Index, Index]:
@@ -60,27 +95,46 @@ class Problem(Protocol):
     def at(self, displacement: Array) -> State:
         """Return the state with this displacement."""
 
+    def expand(self, displacement: Array) -> Array:
+        """Return the displacement of all unknowns, those that follow others included."""
+
     def move(self, displacement: Array, step: Array) -> Array:
         """Return ``displacement + step``, up to terms of second order in the step."""
 
-    def gradient(self, state: State) -> Array:
+    def gradient(self, state: Any) -> Array:
         """Return the gradient of the energy, shape (unknowns,)."""
 
-    def linearise(self, state: State) -> Linearisation:
+    def linearise(self, state: Any) -> Linearisation:
         """Return the model about a state."""
 
-    def gaps(self, state: State) -> tuple[Index, Array]:
-        """Return the keys of the penalty terms of a state, increasing, and their gaps."""
+    def gaps(self, state: Any) -> tuple[Index, Array]:
+        """Return the keys of the constraints of a state, increasing, and their gaps."""
 
-    def couplings(self, state: State, margin: float) -> tuple[Index, Index]:
-        """Return the entries that penalty terms could fill while nothing moves by more than half of `margin`."""
+    def couplings(self, state: Any, margin: float) -> tuple[Index, Index]:
+        """Return the entries that constraints could fill while nothing moves by more than half of `margin`."""
 
-    def follow(self, other: Problem, state: State) -> None:
-        """Start from what another problem knows at an equilibrium of its own, and forget what was updated before."""
+    def apply(self, load_factor: float) -> None:
+        """Let loads act as at this load factor."""
 
-    def update_multipliers(self, state: State) -> tuple[float, float]:
-        """Update the multipliers from an equilibrium; return the gap [length] by which it misses conditions that the energy only
+    def drives(self, displacement: Array, load_factor: float) -> Sequence[Driven]:
+        """Return how loads take in work."""
+
+    def start_from(self, before: Any, state: Any) -> None:
+        """Start from what the problem of the continuation stage before knows at an equilibrium of its own."""
+
+    def update_multipliers(self, state: Any) -> tuple[float, float]:
+        """Update multipliers at an equilibrium; return the gap [length] by which it misses conditions that the energy only
         approaches, and the energy that stands for what is missed; zeros where there are none."""
 
     def increase_penalty(self) -> None:
-        """Make `update_multipliers` miss less each time, at the price of an energy that is harder to minimise."""
+        """Make updates miss less each time, at the price of an energy that is harder to minimise."""
+
+    @property
+    def has_history(self) -> bool:
+        """Whether the problem remembers accepted steps."""
+
+    def accept(self, displacement: Array) -> None:
+        """Keep what this accepted state leaves for good."""
+
+    def reset(self) -> None:
+        """Forget all accepted steps."""

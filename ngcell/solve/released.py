@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from ngcell.solve.continuation import Continuation, until_conditions_hold
 from ngcell.solve.effort import Effort
 from ngcell.solve.minimise import Minimiser
-from ngcell.solve.minimum import Minimum, ProximalTerm
+from ngcell.solve.minimum import Minimum
 from ngcell.solve.outcome import Outcome
-from ngcell.solve.step import Accepted, History, Loads, StepFailed, spent
+from ngcell.solve.problem import Problem
+from ngcell.solve.proximal import ProximalTerm
+from ngcell.solve.step import Accepted, StepFailed, spent
 
 Array = NDArray[np.float64]
 
@@ -26,13 +28,9 @@ class Released:
     apart : Minimiser
         Without contact.
     minimisers : tuple of Minimiser
-        With contact from the softest, which the path is followed with, to the one that is meant.
-    path : Release
+        With contact from the softest, which follows the path, to the one that is meant.
+    path : Continuation
         The path.
-    loads : Loads, optional
-        What pushes and pulls besides the supports.
-    history : History, optional
-        What the problem remembers of accepted steps.
     is_alone : bool
         Whether there is one body only: it touches nothing, and no path has to be followed unless the straight way fails.
     is_mixed : bool
@@ -43,8 +41,6 @@ class Released:
     apart: Minimiser
     minimisers: tuple[Minimiser, ...]
     path: Continuation
-    loads: Loads | None = None
-    history: History | None = None
     is_alone: bool = False
     is_mixed: bool = False
 
@@ -54,16 +50,26 @@ class Released:
         return spent((self.apart, *self.minimisers))
 
     @property
+    def problem(self) -> Problem:
+        """The problem that is meant, with its history."""
+        return self.minimisers[-1].problem
+
+    def apply(self, load: float) -> None:
+        """Let all loads act as at this load factor."""
+        for minimiser in (self.apart, *self.minimisers):
+            minimiser.problem.apply(load)
+
+    @property
     def longest_step(self) -> float:
         """The length beside which missed conditions are judged [length]."""
         return self.minimisers[-1].longest_step
 
     def predict(self, displacement: Array, imposed: Array) -> Array:
         """Return the displacement that follows, to first order, when prescribed values jump."""
-        return self.minimisers[-1].predict(displacement, imposed, self.path.scale * self.path.last)
+        return self.minimisers[-1].predict(displacement, imposed, self.path.scale * self.path.options.last)
 
     def step(self, start: Array, centre: Array, load: float, *, may_stall: bool = True) -> Accepted:
-        """Return the selected equilibrium; see `Release.select`.
+        """Return the selected equilibrium; see `Continuation.select`.
 
         Raises
         ------
@@ -71,8 +77,7 @@ class Released:
             If a minimisation on the path fails.
         """
         before = self.effort
-        if self.loads is not None:
-            self.loads.apply(load)
+        self.apply(load)
         proximal = self.path.last_proximal(centre)
         minimum = self._alone(start, proximal) or self.path.select(
             self.apart, self.minimisers, start, centre, may_stall=may_stall
@@ -81,7 +86,7 @@ class Released:
             minimum = self.minimisers[-1].minimise(minimum.state.displacement, minimum.proximal)
         if not minimum.is_found:
             raise StepFailed(Outcome.RELEASE_FAILED, load)
-        return Accepted("contact", load, minimum, self.effort - before)
+        return Accepted("released", load, minimum, self.effort - before)
 
     def _alone(self, start: Array, proximal: ProximalTerm) -> Minimum | None:
         """Return the minimum of a body that is alone; None if there are more, or if none was found."""
@@ -90,5 +95,5 @@ class Released:
         minimiser = self.minimisers[-1]
         minimum = minimiser.minimise(start, proximal)
         if minimum.is_found:
-            minimum = until_conditions_hold(minimiser, minimum, self.longest_step)
+            minimum = until_conditions_hold(minimiser, minimum, self.longest_step, self.path.options)
         return minimum if minimum.is_found else None

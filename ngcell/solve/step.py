@@ -1,4 +1,4 @@
-"""A step of a load stepping: what it needs to know of motion and loads, and what comes of it.
+"""A step along the load path: what it needs to know of the supports, and what comes of it.
 
 A step that fails is halved, at most `MOST_HALVINGS` times.
 """
@@ -27,36 +27,13 @@ class Motion(Protocol):
 
     @property
     def has_lifting(self) -> bool:
-        """Whether the load determines a lifting."""
+        """Whether the load determines a lifting: a displacement of all bodies that meets the supports."""
 
     def imposed(self, displacement: Array, load_factor: float) -> Array:
         """Return a displacement with the prescribed values in place."""
 
     def lifting(self, load_factor: float) -> Array:
         """Return the lifting."""
-
-
-class Loads(Protocol):
-    """Loads that are part of the energy; see `ngcell.mechanics.loads.BoundaryLoads`."""
-
-    def apply(self, load_factor: float) -> None:
-        """Set the load factor that energies are taken at."""
-
-    def share(self, load_factor: float) -> float:
-        """Return the share of the full loads that acts at a load factor."""
-
-    def potential(self, displacement: Array, load_factor: float) -> float:
-        """Return the potential at a load factor."""
-
-
-class History(Protocol):
-    """What a problem remembers of accepted steps; see `ngcell.contact.assembly.Assembly`."""
-
-    def advance(self, displacement: Array) -> None:
-        """Keep what this accepted state leaves for good."""
-
-    def forget(self) -> None:
-        """Be as new."""
 
 
 @dataclass(frozen=True)
@@ -72,9 +49,9 @@ class Account:
     mismatch_share : float
         Its magnitude over the energy that the step moved.
     increment : float
-        Change of load factor that the next step may make; 0 where that is not updated.
+        Change of load factor that the next step may make; 0 where that is not known.
     targets : int
-        Number of asked-for load factors that the continuation has come to.
+        Number of asked-for load factors that have been reached.
     """
 
     dissipation: float
@@ -90,16 +67,16 @@ class Accepted:
 
     Attributes
     ----------
-    phase : {"tied", "contact"}
-        What was solved.
+    phase : {"tied", "released"}
+        Whether walls were tied, or in unilateral contact.
     load_factor : float
         In [0, 1].
     minimum : Minimum
-        The state, how it was reached, and what still pulls at it.
+        The state, how it was reached, and the proximal term that is left.
     effort : Effort
         What it took, failures included.
     account : Account, optional
-        Where energy went, with a problem that has a memory.
+        Where energy went, with a problem that has a history.
     """
 
     phase: str

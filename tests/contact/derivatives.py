@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ngcell.contact.cohesion.bonds import Bonds
-from ngcell.problem.assembly import Assembly
-from tests.tissues import dense_stiffness
+from ngcell.contact.methods.cohesion import Bonds
+from ngcell.problem.problem import Problem
+from tests.tissues import contact_set, dense_stiffness
 
 
-def assert_derivatives(problem: Assembly, at: np.ndarray, way: np.ndarray, step: float, rel: float) -> None:
+def assert_derivatives(problem: Problem, at: np.ndarray, way: np.ndarray, step: float, rel: float) -> None:
     """Forces are the derivative of the energy along `way`, to `rel`, and the tangent is that of the forces."""
     state = problem.at(at)
     after, before = problem.at(at + step * way), problem.at(at - step * way)
@@ -26,12 +26,12 @@ def step_between_kinks(gap: np.ndarray, rate: np.ndarray) -> float:
     return min(1e-5, 0.5 * np.min(np.abs(gap) / np.abs(rate), initial=1.0))
 
 
-def smooth_step(problem: Assembly, bonds: Bonds, at: np.ndarray, way: np.ndarray) -> float:
+def smooth_step(problem: Problem, bonds: Bonds, at: np.ndarray, way: np.ndarray) -> float:
     """A step on which no wall closes, no bond turns from pressed to open, and none passes its history."""
 
     def sides(displacement: np.ndarray) -> np.ndarray:
-        positions = problem.positions(displacement)
-        gap, _, _ = problem.at(at).contact.penalty_terms(positions)
+        positions = problem.configuration(displacement).positions
+        gap, _, _ = contact_set(problem, problem.at(at)).penalty_terms(positions)
         opening, height = bonds.openings(positions), bonds.kinematics.gaps(positions)
         return np.concatenate([gap > 0, height > 0, opening > bonds.largest])
 

@@ -9,13 +9,13 @@ import numpy as np
 from netgen import occ
 
 from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
-from ngcell.contact.surface.find import find_surface
-from ngcell.contact.surface.surface import Surface
+from ngcell.contact.methods.terms import ContactTerm
+from ngcell.contact.surface.walls import Walls, find_walls
 from ngcell.geometry.shapes import mesh_shapes
-from ngcell.mechanics.bulk import BulkEnergy
-from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
+from ngcell.mechanics.bulk import BodyEnergy
+from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
 from ngcell.mechanics.space import DisplacementSpace
-from ngcell.problem.assembly import Assembly
+from ngcell.problem.problem import Problem
 
 LAW = MooneyRivlin(c1=0.7, c2=0.3, bulk_modulus=20.0)
 
@@ -36,10 +36,14 @@ class Pair:
         return np.zeros((3, self.space.size), dtype=bool)
 
     @cached_property
-    def problem(self) -> Assembly:
+    def bulk(self) -> BodyEnergy:
+        return BodyEnergy(self.space, [LAW] * 2)
+
+    @cached_property
+    def problem(self) -> Problem:
         stiffness = penalty_stiffness(self.walls, np.full(2, LAW.plane_strain_modulus), 10.0)
         contact = PenaltyContact(self.walls, stiffness, 0.4)
-        return Assembly(self.space, BulkEnergy(self.space, [LAW] * 2), self.nowhere, contact=contact)
+        return Problem(self.space, [self.bulk, ContactTerm(contact)], self.nowhere)
 
     def moved(self, translation: tuple[float, float, float], amplitude: float, seed: int) -> np.ndarray:
         """The upper body moved, both bent at random, with bubbles on top."""

@@ -10,13 +10,13 @@ from netgen import occ
 
 from ngcell.contact.methods.mortar import MortarContact
 from ngcell.contact.methods.penalty import penalty_stiffness
-from ngcell.contact.surface.find import find_surface
-from ngcell.contact.surface.surface import Surface
+from ngcell.contact.methods.terms import ContactTerm
+from ngcell.contact.surface.walls import Walls, find_walls
 from ngcell.geometry.shapes import mesh_shapes
-from ngcell.mechanics.bulk import BulkEnergy
-from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
+from ngcell.mechanics.bulk import BodyEnergy
+from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
 from ngcell.mechanics.space import DisplacementSpace
-from ngcell.problem.assembly import Assembly
+from ngcell.problem.problem import Problem
 
 LAW = MooneyRivlin(c1=1.0, c2=1.0, bulk_modulus=100.0)
 REACH = 0.2
@@ -33,9 +33,9 @@ class Stack:
         return find_surface(self.space.bodies, self.space.scalar, self.space.rest)
 
     @cached_property
-    def assembly(self) -> Assembly:
+    def problem(self) -> Problem:
         free = np.zeros((2, self.space.size), dtype=bool)
-        return Assembly(self.space, BulkEnergy(self.space, [LAW] * 2), free, contact=self.contact)
+        return Problem(self.space, [BodyEnergy(self.space, [LAW] * 2), ContactTerm(self.contact)], free)
 
     @cached_property
     def contact(self) -> MortarContact:

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from ngcell.contact.cohesion.bonds import Bonds, bond_walls
-from ngcell.contact.cohesion.exponential import Cohesion
-from ngcell.problem.assembly import Assembly
+from ngcell.contact.methods.cohesion import Bonds, ExponentialLaw, bond_walls
+from ngcell.contact.methods.terms import CohesionTerm, ContactTerm
+from ngcell.problem.problem import Problem
 from tests.contact.derivatives import assert_derivatives, smooth_step
 from tests.contact.stacks import blocks
 from tests.tissues import SmallTissue, rotation, small_tissue
@@ -17,9 +17,10 @@ STRENGTH, ENERGY = 0.3, 0.02
 LAW = Cohesion(strength=STRENGTH, energy=ENERGY)
 
 
-def bonded(tissue: SmallTissue) -> tuple[Assembly, Bonds]:
+def bonded(tissue: SmallTissue) -> tuple[Problem, Bonds]:
     bonds = bond_walls(tissue.walls, LAW)
-    return Assembly(tissue.space, tissue.bulk, tissue.motion.fixed, contact=tissue.contact, bonds=bonds), bonds
+    terms = [tissue.bulk, ContactTerm(tissue.contact), CohesionTerm(bonds)]
+    return Problem(tissue.space, terms, tissue.motion.fixed), bonds
 
 
 def moved(tissue: SmallTissue, depth: float, correction: float, amplitude: float = 0.02) -> np.ndarray:

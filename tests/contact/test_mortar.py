@@ -11,10 +11,12 @@ import pytest
 from ngcell.contact.methods.mortar import MortarContact
 from ngcell.contact.methods.mortar_set import MortarSet
 from ngcell.contact.methods.penalty import penalty_stiffness
-from ngcell.problem.assembly import Assembly
+from ngcell.contact.methods.terms import ContactTerm
+from ngcell.mechanics.term import Role
+from ngcell.problem.problem import Problem
 from ngcell.problem.state import State
 from tests.contact.stacks import Stack, blocks, rings
-from tests.tissues import LAW, LONGEST_STEP, SmallTissue, dense_stiffness, small_tissue
+from tests.tissues import LAW, LONGEST_STEP, SmallTissue, contact_set, contact_term, dense_stiffness, small_tissue
 
 ORDERS = [1, 2, 3, 4]
 #: Multipliers of pressed walls, in units of penalty stiffness times length.
@@ -38,8 +40,9 @@ class Cells:
         return contact
 
     @cached_property
-    def problem(self) -> Assembly:
-        return Assembly(self.tissue.space, self.tissue.bulk, self.tissue.motion.fixed, contact=self.contact)
+    def problem(self) -> Problem:
+        terms = [self.tissue.bulk, ContactTerm(self.contact)]
+        return Problem(self.tissue.space, terms, self.tissue.motion.fixed)
 
     def state(self, depth: float, aside: float, bend: float = 0.02) -> State:
         """Bent walls, the right cell pressed in by `depth` and along by `aside`."""
@@ -48,7 +51,7 @@ class Cells:
 
     def along_walls(self, state: State) -> np.ndarray:
         """Which of the weighted gaps belong to functions; the others belong to point constraints."""
-        return state.contact.rows < self.contact.space.size
+        return contact_set(self.problem, state).rows < self.contact.space.size
 
 
 def cells(order: int, multipliers: float = 0.0) -> Cells:
@@ -75,11 +78,11 @@ def test_forces_are_the_slopes_of_the_energy(order, name):
     depth, aside, multipliers, pressed = STATES[name]
     pair = cells(order, multipliers)
     state = pair.state(depth, aside)
-    gap, _, _ = state.contact.penalty_terms(pair.tissue.positions(state.displacement))
+    gap, _, _ = contact_set(pair.problem, state).penalty_terms(pair.tissue.positions(state.displacement))
     closed = gap < 0
     assert {"none": not closed.any(), "some": closed.any(), "all": closed[pair.along_walls(state)].all()}[pressed]
     way = pair.tissue.smooth(1.0, 8)
-    slope = pair.problem.contact_force(state) @ way
+    slope = pair.problem.force(state.at, Role.INTERACTION) @ way
     misses = []
     for step in (4e-4, 2e-4, 1e-4):
         after, before = (moved(pair.problem, state, size * way) for size in (step, -step))
@@ -91,10 +94,10 @@ def test_forces_are_the_slopes_of_the_energy(order, name):
         np.testing.assert_allclose(np.log2(misses[0] / misses[-1]) / 2, 2, atol=0.1)
 
 
-def moved(problem: Assembly, state: State, step: np.ndarray) -> float:
+def moved(problem: Problem, state: State, step: np.ndarray) -> float:
     """Contact energy after a step, with contact pairs found anew."""
-    positions = problem.positions(state.displacement + step)
-    return problem.contact.pair(positions).energy(positions)
+    positions = problem.configuration(state.displacement + step).positions
+    return contact_term(problem).method.pair(positions).energy(positions)
 
 
 @pytest.mark.parametrize("order", ORDERS)
@@ -125,11 +128,11 @@ def test_the_model_holds_on_both_sides_of_the_kink(order, side):
     """At the kink all penalty terms are just at rest: pressed after a step to one side, not after one to the other."""
     pair = cells(order)
     state = pair.state(-0.01, 0.2, bend=0.0)
-    contact, positions = state.contact, pair.tissue.positions(state.displacement)
+    contact, positions = contact_set(pair.problem, state), pair.tissue.positions(state.displacement)
     pair.contact.multipliers[contact.rows] = contact.stiffness * contact.weighted_gaps(positions)
     state = pair.problem.at(state.displacement)
-    gap, jacobian, penalty = state.contact.penalty_terms(positions)
-    assert np.abs(gap).max() < 1e-15 and np.abs(pair.problem.contact_force(state)).max() < 1e-12
+    gap, jacobian, penalty = contact_set(pair.problem, state).penalty_terms(positions)
+    assert np.abs(gap).max() < 1e-15 and np.abs(pair.problem.force(state.at, Role.INTERACTION)).max() < 1e-12
     way = side * pair.tissue.body_translation(1, np.array([1.0, 0.0]))
     foreseen = 0.5 * (penalty * np.minimum(jacobian @ way, 0) ** 2).sum()
     assert (foreseen > 0) == (side < 0)
@@ -148,10 +151,11 @@ def test_a_rigid_motion_changes_no_gap_and_turns_the_forces(order, name):
     turn = np.array([[np.cos(2.5), -np.sin(2.5)], [np.sin(2.5), np.cos(2.5)]])
     turned = turn @ positions + np.array([[7.0], [-3.0]]) * pair.tissue.space.one
     after = pair.problem.at((turned - pair.tissue.space.rest).ravel())
-    np.testing.assert_array_equal(after.contact.rows, before.contact.rows)
-    gaps = before.contact.weighted_gaps(positions)
-    np.testing.assert_allclose(after.contact.weighted_gaps(turned), gaps, atol=1e-12)
-    force, other = (pair.problem.contact_force(state).reshape(2, -1) for state in (before, after))
+    seen, turned_set = (contact_set(pair.problem, state) for state in (before, after))
+    np.testing.assert_array_equal(turned_set.rows, seen.rows)
+    gaps = seen.weighted_gaps(positions)
+    np.testing.assert_allclose(turned_set.weighted_gaps(turned), gaps, atol=1e-12)
+    force, other = (pair.problem.force(state.at, Role.INTERACTION).reshape(2, -1) for state in (before, after))
     np.testing.assert_allclose(other, turn @ force, atol=1e-9 * max(1.0, np.abs(force).max()))
 
 
@@ -163,8 +167,8 @@ def test_forces_and_moments_on_the_two_bodies_cancel(order, name):
     state = pair.state(depth, aside)
     assert_balanced(pair.problem, state)
     on_right = pair.tissue.space.body_of_unknown == 1
-    force = pair.problem.contact_force(state).reshape(2, -1) * pair.tissue.space.one
-    assert force[0, on_right].sum() < 0  # the gradient falls towards the right: the right cell is driven that way
+    force = pair.problem.force(state.at, Role.INTERACTION).reshape(2, -1) * pair.tissue.space.one
+    assert force[0, on_right].sum() < 0  # the gradient falls towards the right: the right cell is pushed that way
 
 
 @pytest.mark.parametrize("order", ORDERS)
@@ -173,14 +177,14 @@ def test_forces_and_moments_cancel_on_walls_whose_meshes_do_not_match(order, mak
     stack: Stack = make((0.3, 0.17), order=order)
     contact = stack.contact
     random = np.random.default_rng(4)
-    contact.multipliers[:] = contact.stiffness[0] * PRESSURE * random.uniform(0, 1, len(contact.multipliers))
-    state = stack.assembly.at(stack.bent(0.02, 3) + stack.upper_moved((0.05, -0.01)))
-    assert_balanced(stack.assembly, state)
+    contact.multipliers[:] = contact.stiffness[0] * PUSH * random.uniform(0, 1, len(contact.multipliers))
+    state = stack.problem.at(stack.bent(0.02, 3) + stack.upper_moved((0.05, -0.01)))
+    assert_balanced(stack.problem, state)
 
 
-def assert_balanced(problem: Assembly, state: State) -> None:
-    force = problem.contact_force(state).reshape(2, -1)
-    x, y = problem.positions(state.displacement)
+def assert_balanced(problem: Problem, state: State) -> None:
+    force = problem.force(state.at, Role.INTERACTION).reshape(2, -1)
+    x, y = state.positions
     size = np.abs(force).sum()
     assert size > 0
     np.testing.assert_allclose(force @ problem.space.one, 0, atol=1e-13 * size)
@@ -190,14 +194,14 @@ def assert_balanced(problem: Assembly, state: State) -> None:
 def pressed_pair(order: int) -> tuple[Cells, State, MortarSet, np.ndarray]:
     pair = cells(order, PRESSURE)
     state = pair.state(0.01, 0.2)
-    return pair, state, state.contact, pair.tissue.positions(state.displacement)
+    return pair, state, contact_set(pair.problem, state), pair.tissue.positions(state.displacement)
 
 
 @pytest.mark.parametrize("order", ORDERS)
 def test_updated_pressures_are_what_the_penalty_terms_push_with(order):
     """With them, and walls that just touch, the same forces act; what was updated is told as a gap."""
     pair, state, contact, positions = pressed_pair(order)
-    force, applied = pair.problem.contact_force(state), contact.pressures(positions)
+    force, applied = pair.problem.force(state.at, Role.INTERACTION), contact.pressures(positions)
     far = np.setdiff1d(np.arange(len(pair.contact.multipliers)), contact.rows)
     pair.contact.multipliers[far] = 0
     gap, energy = pair.contact.update_multipliers(contact, positions, lambda: 1.0)
@@ -205,8 +209,8 @@ def test_updated_pressures_are_what_the_penalty_terms_push_with(order):
     changed = (applied - contact.pressure) / contact.stiffness
     assert gap == pytest.approx(np.abs(changed).max(), rel=1e-12)
     assert energy == pytest.approx((contact.stiffness * contact.weight * changed**2).sum() / 2, rel=1e-12)
-    # Penalty terms add as much again, with the overlaps that are still there.
-    harder = pair.problem.contact_force(pair.problem.at(state.displacement))
+    # As penalty terms they push as hard again, with the overlaps that are still there.
+    harder = pair.problem.force(pair.problem.at(state.displacement).at, Role.INTERACTION)
     assert np.abs(harder).sum() > np.abs(force).sum()
 
 
@@ -217,7 +221,7 @@ def test_contact_forces_of_the_points_are_the_forces_without_the_cuts(order):
     applied = contact.kinematics.jacobian(slopes, positions.shape[1]).T @ -contact.contact_forces(positions)
     weight = contact.weight * contact.pressures(positions)
     ends = contact.cuts.jacobian(positions).T @ -weight
-    np.testing.assert_allclose(applied + ends, pair.problem.contact_force(state), atol=1e-12)
+    np.testing.assert_allclose(applied + ends, pair.problem.force(state.at, Role.INTERACTION), atol=1e-12)
 
 
 def pressures_of_a_flat_overlap(order: int) -> tuple[Stack, np.ndarray, np.ndarray, float]:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ngcell.problem.assembly import Assembly
-from ngcell.solve.minimum import Ending, ProximalTerm
-from tests.tissues import SmallTissue, dense_stiffness, small_tissue
+from ngcell.problem.problem import Problem
+from ngcell.solve.minimum import Ending
+from ngcell.solve.proximal import ProximalTerm
+from tests.tissues import SmallTissue, contact_set, dense_stiffness, small_tissue
 
 
 def pressed_cells(order: int) -> SmallTissue:
@@ -20,7 +21,7 @@ def pressed_cells(order: int) -> SmallTissue:
     return small_tissue(1, 2, order=order, edges=3, wall=0.15, prescribed_displacement=(-0.3, 0.1), supports=ends)
 
 
-def newton_step(problem: Assembly, displacement: np.ndarray) -> np.ndarray:
+def newton_step(problem: Problem, displacement: np.ndarray) -> np.ndarray:
     state, free = problem.at(displacement), np.flatnonzero(problem.free)
     tangent = dense_stiffness(problem, problem.linearise(state))[np.ix_(free, free)]
     moved = displacement.copy()
@@ -42,7 +43,7 @@ def test_the_update_of_pairs_converges_quadratically(order):
         displacement = newton_step(problem, displacement)
     state = problem.at(displacement)
     assert np.abs(problem.gradient(state)[problem.free]).max() < 1e-12
-    kinematics = state.contact.kinematics
+    kinematics = contact_set(problem, state).kinematics
     closed = kinematics.gaps(tissue.positions(displacement)) < 0
     assert closed.sum() > 3
     trial = displacement + 5e-5 * tissue.smooth(1.0, 3) * problem.free

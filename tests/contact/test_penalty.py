@@ -8,8 +8,9 @@ import pytest
 
 from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
 from ngcell.contact.pairing.facing import find_facing
+from ngcell.mechanics.term import Role
 from ngcell.scene import Penalty
-from tests.tissues import LAW, SmallTissue, dense_stiffness, small_tissue
+from tests.tissues import LAW, SmallTissue, contact_set, dense_stiffness, small_tissue
 
 
 def moved(tissue: SmallTissue, depth: float, amplitude: float = 0.02) -> np.ndarray:
@@ -24,7 +25,7 @@ def test_forces_and_tangent_are_derivatives_of_one_energy(order, depth):
     tissue = small_tissue(1, 2, order=order)
     problem, at = tissue.released, moved(tissue, depth)
     state = problem.at(at)
-    gap, slopes, _ = state.contact.penalty_terms(tissue.positions(at))
+    gap, slopes, _ = contact_set(problem, state).penalty_terms(tissue.positions(at))
     assert len(gap) and (gap > 0).all() == (depth < 0)
     way = tissue.smooth(1.0, 8)
     step = min(1e-5, 0.5 * np.min(np.abs(gap) / np.abs(slopes @ way)))  # no wall closes or opens on the way
@@ -41,11 +42,11 @@ def test_forces_and_tangent_are_derivatives_of_one_energy(order, depth):
 def test_contact_pairs_may_be_frozen_without_changing_the_forces(order, depth):
     tissue = small_tissue(1, 2, order=order)
     state, step = tissue.released.at(moved(tissue, depth)), 1e-5
-    force = tissue.released.contact_force(state)
+    force, contact = tissue.released.force(state.at, Role.INTERACTION), contact_set(tissue.released, state)
     for seed in (8, 9):
         way = tissue.smooth(1.0, seed)
         after, before = (tissue.positions(state.displacement + size * way) for size in (step, -step))
-        rise = state.contact.energy(after) - state.contact.energy(before)
+        rise = contact.energy(after) - contact.energy(before)
         assert rise / (2 * step) == pytest.approx(force @ way, rel=1e-6)
 
 
@@ -55,7 +56,7 @@ def test_forces_vanish_when_the_walls_part_and_set_in_without_a_jump():
     forces = []
     for depth in (-1e-3, -1e-9, 1e-9, 1e-6, 1e-3):
         state = problem.at(tissue.body_translation(1, np.array([-depth, 0.0])))
-        forces.append(np.abs(problem.contact_force(state)).sum())
+        forces.append(np.abs(problem.force(state.at, Role.INTERACTION)).sum())
     assert forces[0] == forces[1] == 0
     np.testing.assert_allclose(np.array(forces[2:]) / forces[-1], [1e-6, 1e-3, 1], rtol=0.05)
 
@@ -63,7 +64,7 @@ def test_forces_vanish_when_the_walls_part_and_set_in_without_a_jump():
 def test_forces_between_bodies_are_equal_and_opposite_and_push_apart():
     tissue = small_tissue(1, 2, order=3)
     state = tissue.released.at(moved(tissue, 0.03))
-    force = tissue.released.contact_force(state).reshape(2, -1)
+    force = tissue.released.force(state.at, Role.INTERACTION).reshape(2, -1)
     x, y = tissue.positions(state.displacement)
     on_right = tissue.space.body_of_unknown == 1
     normal_force = (force * tissue.space.one)[:, on_right].sum(1)
@@ -140,9 +141,9 @@ def test_rigid_rotation_of_the_tissue_leaves_zero_stress_and_zero_gap(order, rad
     size = 12.0
     assert np.abs(gaps - before).max() < 1e-12
     assert np.abs(before).max() < 1e-12 or radius > 0
-    assert at.contact.energy(positions) < 1e-26 * LAW.bulk_modulus * size**2
+    assert contact_set(tissue.released, at).energy(positions) < 1e-26 * LAW.bulk_modulus * size**2
     # Energies are differences of numbers of order one: round-off leaves 1e-16 of the modulus, not its square.
-    assert abs(tissue.bulk.energy(displacement)) < 1e-14 * LAW.shear_modulus * tissue.volume
+    assert abs(tissue.bulk.form.energy(displacement)) < 1e-14 * LAW.shear_modulus * tissue.volume
     assert np.abs(tissue.released.gradient(at)).max() < 1e-11 * LAW.bulk_modulus
     deformation = ngsolve.Id(2) + ngsolve.Grad(tissue.space.function(displacement))
     places = tissue.lattice.centres + 0.9 * tissue.lattice.corners[0]
@@ -154,7 +155,7 @@ def test_rigid_rotation_of_the_tissue_leaves_zero_stress_and_zero_gap(order, rad
 
 def test_penalty_terms_that_took_over_from_softer_ones_stiffen_where_overlaps_are_too_deep():
     tissue = small_tissue(1, 2)
-    meant = tissue.released.contact
+    meant = tissue.contact
     softer = PenaltyContact(meant.walls, meant.stiffness / 10, meant.reach)
     derived = meant.stiffness.copy()
 

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from ngcell.contact.cohesion.bonds import Bonds, bond_walls
-from ngcell.contact.cohesion.exponential import Cohesion
-from ngcell.contact.surface.find import find_surface
+from ngcell.contact.methods.cohesion import Bonds, ExponentialLaw, bond_walls
+from ngcell.contact.methods.terms import CohesionTerm
+from ngcell.contact.surface.walls import find_walls
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.prisms import prism_mesh
 from ngcell.geometry.rings import ring_section
 from ngcell.mechanics.space import DisplacementSpace
-from ngcell.problem.assembly import Assembly
+from ngcell.problem.problem import Problem
 from tests.contact.derivatives import assert_derivatives, smooth_step
 from tests.contact.solids import Pair, blocks, straddling
 
@@ -27,9 +27,9 @@ def prisms(order: int) -> Pair:
     return Pair(DisplacementSpace(prism_mesh(section, height=0.6, slices=2), order))
 
 
-def bonded(bodies: Pair) -> tuple[Assembly, Bonds]:
+def bonded(bodies: Pair) -> tuple[Problem, Bonds]:
     problem, bonds = bodies.problem, bond_walls(bodies.walls, LAW)
-    return Assembly(problem.space, problem.bulk, bodies.nowhere, contact=problem.contact, bonds=bonds), bonds
+    return Problem(problem.space, [*problem.terms, CohesionTerm(bonds)], bodies.nowhere), bonds
 
 
 @pytest.mark.parametrize("before", [0.0, 0.5, 2.0], ids=["loading", "mixed", "unloading"])
@@ -48,7 +48,7 @@ def test_forces_and_tangent_are_derivatives_of_one_energy(make, order, translati
     bodies = make(order)
     problem, bonds = bonded(bodies)
     at, way = bodies.moved(translation, 0.03, 3), bodies.bent(1.0, 8)
-    positions = problem.positions(at)
+    positions = problem.configuration(at).positions
     bonds.largest = before * np.median(bonds.openings(positions)) * np.ones_like(bonds.largest)
     assert_derivatives(problem, at, way, smooth_step(problem, bonds, at, way), rel=1e-6)
 
@@ -100,7 +100,7 @@ def test_opening_and_energy_of_parted_and_sliding_solids(make):
 def test_a_rigid_motion_of_all_costs_nothing_and_turns_the_forces():
     bodies = prisms(2)
     bonds = bond_walls(bodies.walls, LAW)
-    at = bodies.problem.positions(bodies.moved((0.02, 0.03, 0.01), 0.03, 3))
+    at = bodies.problem.configuration(bodies.moved((0.02, 0.03, 0.01), 0.03, 3)).positions
     turn = Rotation.from_rotvec([0.4, -0.7, 0.5]).as_matrix()
     turned = turn @ at + np.array([[0.3], [-0.2], [0.1]]) * bodies.space.one
     assert bonds.energy(turned) == pytest.approx(bonds.energy(at), rel=1e-12)

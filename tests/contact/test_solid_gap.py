@@ -17,6 +17,7 @@ from ngcell.mechanics.space import DisplacementSpace
 from ngcell.problem.tie import tie_walls
 from tests.contact.derivatives import assert_derivatives, step_between_kinks
 from tests.contact.solids import Pair, balls, blocks, straddling
+from tests.tissues import contact_set, contact_term
 
 SECTION = {"wall": 0.2, "radius": 0.0, "edges": 1, "layers": 1, "supports": {}}
 
@@ -29,7 +30,7 @@ def test_forces_and_tangent_are_derivatives_of_one_energy(make, order, depth):
     bodies = make(order)
     problem, at = bodies.problem, bodies.moved((0.01, 0.02, -depth), 0.03, 3)
     state = problem.at(at)
-    gap, slopes, _ = state.contact.penalty_terms(problem.positions(at))
+    gap, slopes, _ = contact_set(problem, state).penalty_terms(state.positions)
     assert (gap > 0).all() == (depth < 0)
     way = bodies.bent(1.0, 8)
     assert_derivatives(problem, at, way, step_between_kinks(gap, slopes @ way), rel=1e-6)
@@ -39,9 +40,10 @@ def test_forces_and_tangent_are_derivatives_of_one_energy(make, order, depth):
 def test_gaps_are_distances_to_second_order(make, order):
     """ContactPairs found anew have the gap that the frozen ones foresee: at feet, on sides and at corners."""
     bodies = make(order)
-    positions = bodies.problem.positions(bodies.moved((0.01, 0.02, 0.1), 0.05, 3))
+    positions = bodies.problem.configuration(bodies.moved((0.01, 0.02, 0.1), 0.05, 3)).positions
     way, step = bodies.bent(1.0, 8).reshape(3, -1), 1e-4
-    here, after, before = (bodies.problem.contact.pair(positions + size * way) for size in (0.0, step, -step))
+    method = contact_term(bodies.problem).method
+    here, after, before = (method.pair(positions + size * way) for size in (0.0, step, -step))
     kinds = [kind_of(found.kinematics.pairs) for found in (here, after, before)]
     keys, *places = np.intersect1d(here.keys, after.keys, return_indices=True)
     _, mine, last = np.intersect1d(keys, before.keys, return_indices=True)
@@ -84,7 +86,7 @@ def test_a_rotating_step_turns_bodies_without_stretching_them():
     moved = problem.move(np.zeros(space.unknowns), step.ravel())
     turned = Rotation.from_rotvec(vector).as_matrix() @ arm - arm
     np.testing.assert_allclose(moved.reshape(3, -1), turned * (space.body_of_unknown == 1), atol=1e-12)
-    assert abs(problem.bulk.energy(moved)) < 1e-12
+    assert abs(bodies.bulk.form.energy(moved)) < 1e-12
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
@@ -104,7 +106,8 @@ def test_walls_that_end_are_continued_by_a_quarter():
     energies = []
     for rise in (0.0, 0.05, 0.14):
         normal_force = np.array([-0.02, 0.0, rise])[:, None] * pair.upper
-        energies.append(pair.problem.contact.pair(space.rest + normal_force).energy(space.rest + normal_force))
+        contact = contact_term(pair.problem).method.pair(space.rest + normal_force)
+        energies.append(contact.energy(space.rest + normal_force))
     assert energies[0] > 0
     np.testing.assert_allclose(energies, energies[0], rtol=1e-9)
 

@@ -8,15 +8,16 @@ import pytest
 from ngcell.contact.methods.mortar import MortarContact
 from ngcell.contact.methods.multipliers import SHARP, MultiplierSpace, constrained_points
 from ngcell.contact.methods.penalty import penalty_stiffness
-from ngcell.contact.surface.surface import Surface
+from ngcell.contact.methods.terms import ContactTerm
+from ngcell.contact.surface.walls import Walls
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.prisms import prism_mesh
 from ngcell.geometry.rings import ring_section
 from ngcell.mechanics.space import DisplacementSpace
-from ngcell.problem.assembly import Assembly
+from ngcell.problem.problem import Problem
 from tests.contact.derivatives import assert_derivatives, step_between_kinks
 from tests.contact.solids import LAW, Pair, balls, blocks, straddling
-from tests.tissues import small_tissue
+from tests.tissues import contact_set, contact_term, small_tissue
 
 
 def prisms(order: int, edges: int = 2) -> Pair:
@@ -26,13 +27,13 @@ def prisms(order: int, edges: int = 2) -> Pair:
     return Pair(DisplacementSpace(prism_mesh(section, height=0.6, slices=2), order))
 
 
-def pressed(bodies: Pair, normal_force: float) -> Assembly:
-    """Contact with multipliers above 0, each of its own."""
+def pressed(bodies: Pair, normal_force: float) -> Problem:
+    """Contact with multipliers that push, each of its own."""
     stiffness = penalty_stiffness(bodies.walls, np.full(2, LAW.plane_strain_modulus), 10.0)
     contact = MortarContact(bodies.walls, stiffness, 0.4)
     size = contact.space.size
     contact.multipliers[:size] = normal_force * stiffness[0] * np.random.default_rng(1).uniform(0.5, 1, size)
-    return Assembly(bodies.space, bodies.problem.bulk, bodies.nowhere, contact=contact)
+    return Problem(bodies.space, [bodies.bulk, ContactTerm(contact)], bodies.nowhere)
 
 
 @pytest.mark.parametrize("normal_force", [0.0, 0.05])
@@ -53,7 +54,7 @@ def test_forces_and_tangent_are_derivatives_of_one_energy(make, order, translati
     problem = pressed(bodies, normal_force)
     at, way = bodies.moved(translation, 0.03, 3), bodies.bent(1.0, 8)
     state = problem.at(at)
-    gap, slopes, _ = state.contact.penalty_terms(problem.positions(at))
+    gap, slopes, _ = contact_set(problem, state).penalty_terms(state.positions)
     assert (gap < 0).any()
     assert_derivatives(problem, at, way, step_between_kinks(gap, slopes @ way), rel=1e-6)
 
@@ -66,25 +67,26 @@ def test_weighted_gaps_of_a_rigid_translation_are_the_translation(make, depth):
     problem = pressed(bodies, 0.0)
     outward = np.array([1.0, 0.0, 0.0]) if make is prisms else np.array([0.0, 0.0, 1.0])
     state = problem.at((-depth * outward[:, None] * bodies.upper).ravel())
-    along = state.contact.rows < problem.contact.space.size
-    gaps = (state.contact.weighted_gaps(problem.positions(state.displacement)) / -depth)[along]
+    contact = contact_set(problem, state)
+    along = contact.rows < contact_term(problem).method.space.size
+    gaps = (contact.weighted_gaps(state.positions) / -depth)[along]
     assert gaps.max() == pytest.approx(1, abs=1e-9)
     assert gaps.min() > 0
     # Their sum over all functions is the area that is faced.
     area = 0.6 if make is prisms else 0.55 * 0.65
-    assert gaps @ state.contact.weight[along] == pytest.approx(area, rel=1e-8)
+    assert gaps @ contact.weight[along] == pytest.approx(area, rel=1e-8)
 
 
 def test_updated_pressures_stand_for_the_gaps_that_they_close():
     bodies = blocks(2)
     problem = pressed(bodies, 0.0)
     state = problem.at(bodies.moved((0.0, 0.0, -0.02), 0.0, 3))
-    positions = problem.positions(state.displacement)
-    before = state.contact.pressures(positions)
-    missed, energy = problem.contact.update_multipliers(state.contact, positions, lambda: 1.0)
+    contact, method, positions = contact_set(problem, state), contact_term(problem).method, state.positions
+    before = contact.pressures(positions)
+    missed, energy = method.update_multipliers(contact, positions, lambda: 1.0)
     assert missed == pytest.approx(0.02, rel=1e-6) and energy > 0
-    again = problem.contact.pair(positions)
-    np.testing.assert_allclose(problem.contact.multipliers[again.rows], before, atol=1e-9 * before.max())
+    again = method.pair(positions)
+    np.testing.assert_allclose(method.multipliers[again.rows], before, atol=1e-9 * before.max())
 
 
 def walls_of(order: int) -> Surface:

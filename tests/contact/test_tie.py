@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ngcell.problem.assembly import Assembly
-from ngcell.problem.tie import coincident_facets
-from ngcell.solve.minimum import Ending, ProximalTerm
+from ngcell.problem.problem import Problem
+from ngcell.problem.tie import coincident_edges
+from ngcell.solve.minimum import Ending
+from ngcell.solve.proximal import ProximalTerm
 from tests.tissues import SmallTissue, dense_stiffness, small_tissue
 
 ORDERS = [1, 2, 3, 4]
@@ -20,8 +21,8 @@ def largest_jump(tissue: SmallTissue, displacement: np.ndarray) -> float:
     return float(np.abs(nodes[one] - nodes[two][:, ::-1]).max())
 
 
-def floating(tissue: SmallTissue) -> Assembly:
-    return Assembly(tissue.space, tissue.bulk, np.zeros((2, tissue.space.size), dtype=bool), tie=tissue.tie)
+def floating(tissue: SmallTissue) -> Problem:
+    return Problem(tissue.space, [tissue.bulk], np.zeros((2, tissue.space.size), dtype=bool), tie=tissue.tie)
 
 
 @pytest.mark.parametrize("order", ORDERS)
@@ -66,7 +67,7 @@ def test_expanding_and_gathering_are_adjoint(order):
     random = np.random.default_rng(2)
     force, motion = random.standard_normal((2, tissue.space.unknowns))
     problem = tissue.tied
-    assert force @ problem.expand(motion) == pytest.approx(problem.gather(force) @ motion, rel=1e-12)
+    assert force @ problem.expand(motion) == pytest.approx(problem.unknowns.gather(force) @ motion, rel=1e-12)
 
 
 @pytest.mark.parametrize("order", [1, 3])
@@ -94,8 +95,8 @@ def test_the_solved_tied_solid_has_no_jump_and_is_in_balance_between_the_plates(
     assert largest_jump(tissue, displacement) < 1e-12
     force = problem.gradient(minimum.state)
     assert np.abs(force[problem.free]).max() < 1e-8
-    assert tissue.motion.resultant(tissue.bulk.gradient(displacement), "high")[0] > 0
-    held = problem.reactions(tissue.bulk.gradient(displacement)).reshape(2, -1)
+    assert tissue.motion.resultant(tissue.bulk.form.gradient(displacement), "high")[0] > 0
+    held = problem.unknowns.reactions(tissue.bulk.form.gradient(displacement)).reshape(2, -1)
     np.testing.assert_allclose(held @ tissue.space.one, 0, atol=1e-9)
 
 

@@ -58,12 +58,13 @@ def test_taylor_remainders_of_energy_and_forces_vanish_at_their_rates(order):
     assert (rows >= columns).all()
     assert len(set(zip(rows, columns, strict=True))) == len(rows)
     matrix = np.zeros((space.unknowns,) * 2)
-    matrix[rows, columns] = found.tangent(at)
+    matrix[rows, columns] = found.tangent(space.configuration(at))
     bent = (matrix + np.tril(matrix, -1).T) @ way
-    energy, slope = found.energy(at), found.gradient(at)
-    first = [abs(found.energy(at + h * way) - energy - h * slope @ way) for h in STEPS]
-    second = [abs(found.energy(at + h * way) - energy - h * slope @ way - h * h / 2 * way @ bent) for h in STEPS]
-    forces = [np.linalg.norm(found.gradient(at + h * way) - slope - h * bent) for h in STEPS]
+    here, ahead = space.configuration(at), [space.configuration(at + h * way) for h in STEPS]
+    slope, rise = found.gradient(here), np.array([found.value(there) for there in ahead]) - found.value(here)
+    first = np.abs(rise - STEPS * (slope @ way))
+    second = np.abs(rise - STEPS * (slope @ way) - STEPS**2 / 2 * (way @ bent))
+    forces = [np.linalg.norm(found.gradient(there) - slope - h * bent) for h, there in zip(STEPS, ahead, strict=True)]
     for remainders, rate in ((first, 2), (second, 3), (forces, 2)):
         np.testing.assert_allclose(np.log2(np.array(remainders[:-1]) / remainders[1:]), rate, atol=0.15)
 
@@ -72,7 +73,7 @@ def test_forces_of_a_fluid_balance_and_are_those_of_its_pressure():
     space = closed_cells()
     found = fluids(space)
     state = smooth(space, 0.1, 4)
-    force = found.gradient(state).reshape(3, -1)
+    force = found.gradient(space.configuration(state)).reshape(3, -1)
     np.testing.assert_allclose(force @ space.one, 0, atol=1e-12 * np.abs(force).max())
     # The virtual work on a field that blows the lumens up is minus the pressures times the rise of their volumes.
     grow = space.rest + state.reshape(3, -1)

@@ -68,16 +68,16 @@ def test_the_lifting_meets_the_supports_and_grows_with_the_load():
     full, half = tissue.motion.lifting(1.0), tissue.motion.lifting(0.5)
     np.testing.assert_allclose(half, full / 2, atol=1e-15)
     np.testing.assert_array_equal(full, tissue.motion.imposed(full, 1.0))
-    assert np.isfinite(tissue.bulk.energy(full))
+    assert np.isfinite(tissue.bulk.form.energy(full))
 
 
 def test_the_resultant_is_the_energy_per_translation_of_the_region():
     tissue = small_tissue(1, 1, order=3)
     displacement, size = tissue.smooth(0.3, 4), 1e-5
-    force = tissue.bulk.gradient(displacement)
+    force = tissue.bulk.form.gradient(displacement)
     member = np.zeros(tissue.space.size)
     member[tissue.space.region_unknowns("high")] = 1
     for axis, direction in enumerate(np.eye(2)):
         way = (direction[:, None] * member * tissue.space.one).ravel()
-        rise = tissue.bulk.energy(displacement + size * way) - tissue.bulk.energy(displacement - size * way)
+        rise = tissue.bulk.form.energy(displacement + size * way) - tissue.bulk.form.energy(displacement - size * way)
         assert tissue.motion.resultant(force, "high")[axis] == pytest.approx(rise / (2 * size), rel=1e-6)

@@ -10,22 +10,26 @@ from itertools import pairwise
 import numpy as np
 from netgen import occ
 
-from ngcell.contact.surface.find import find_surface
+from ngcell.contact.methods.protocol import ContactSet
+from ngcell.contact.methods.stages import contact_stages
+from ngcell.contact.methods.terms import ContactTerm
+from ngcell.contact.surface.walls import find_walls
 from ngcell.geometry.shapes import mesh_shapes
-from ngcell.mechanics.bulk import BulkEnergy
-from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
+from ngcell.mechanics.bulk import BodyEnergy
+from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
 from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
-from ngcell.problem.assembly import Assembly
+from ngcell.mechanics.symbolic import fused
+from ngcell.problem.problem import Problem
 from ngcell.results.forces import ContactForces, contact_forces
 from ngcell.scene import MooneyRivlin
 from ngcell.scene.bodies import BodyScene, BodySupport
 from ngcell.solve.continuation import Continuation
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.released import Released
-from ngcell.solve.single_step import single_step
 from ngcell.solve.step import Accepted
+from tests.tissues import contact_set, single_step
 
 
 def rubber(bulk_modulus: float) -> MooneyRivlin:
@@ -61,12 +65,13 @@ class Equilibrium:
     @cached_property
     def positions(self) -> np.ndarray:
         """Deformed positions as unknowns, shape (2, size)."""
-        return self.rig.assembly.positions(self.displacement)
+        return self.accepted.minimum.state.positions
 
     @cached_property
     def reactions(self) -> np.ndarray:
         """Forces that the supports exert, shape (unknowns,)."""
-        return self.rig.assembly.reactions(self.rig.assembly.gradient(self.accepted.minimum.state))
+        problem = self.rig.problem
+        return problem.unknowns.reactions(problem.gradient(self.accepted.minimum.state))
 
     @property
     def work_rate(self) -> float:
@@ -76,23 +81,28 @@ class Equilibrium:
 
     @property
     def contact_forces(self) -> ContactForces:
-        return contact_forces(self.rig.assembly, self.accepted.minimum.state)
+        return contact_forces(self.rig.problem, self.accepted.minimum.state)
 
     def force(self, boundary: str) -> np.ndarray:
         """Force of the supports on a boundary, shape (2,)."""
         return self.rig.motion.resultant(self.reactions, boundary)
 
+    @property
+    def contact_set(self) -> ContactSet:
+        """All contact pairs."""
+        return contact_set(self.rig.problem, self.accepted.minimum.state)
+
     def contact_points(self) -> tuple[np.ndarray, np.ndarray]:
         """Gap and pressure on the reference length, of all contact pairs."""
-        contact = self.accepted.minimum.state.contact
+        contact = self.contact_set
         weight = contact.kinematics.pairs.weight
         return contact.kinematics.gaps(self.positions), 2 * contact.contact_forces(self.positions) / weight
 
     def is_contact_point_in(self, *, low: tuple[float, float], high: tuple[float, float]) -> np.ndarray:
         """Which of the contact points lie in a box at rest."""
-        walls = self.rig.assembly.contact.walls
-        pairs = self.accepted.minimum.state.contact.kinematics.pairs
-        point = walls.places(pairs.primary, pairs.primary_xi, walls.rest)
+        walls = self.rig.walls
+        pairs = self.contact_set.kinematics.pairs
+        point = walls.places(pairs.edge, pairs.here, walls.rest)
         return ((point >= low) & (point <= high)).all(1)
 
     def vertices(self, boundary: str) -> np.ndarray:
@@ -108,8 +118,7 @@ class Equilibrium:
     def body_energy(self, body: int) -> float:
         """Stored energy of a body: what is left when all others are put back to rest."""
         alone = self.displacement.reshape(2, -1) * (self.rig.space.body_of_unknown == body)
-        bulk = self.rig.assembly.bulk
-        return bulk.energy(alone.ravel()) - bulk.load_potential(alone.ravel())
+        return self.rig.bulk.form.energy(alone.ravel())
 
 
 class Rig:
@@ -140,27 +149,28 @@ class Rig:
             for given in scene.supports
         ]
         self.motion = PrescribedMotion(self.space, supports)
-        self.loads = BoundaryLoads(self.space, scene.loads, self.motion) if scene.loads else None
-        self.bulk = BulkEnergy(self.space, self.laws, self.loads)
+        self.bulk = BodyEnergy(self.space, self.laws)
+        loads = [BoundaryLoads(self.space, scene.loads, self.motion)] if scene.loads else []
+        self.terms = fused([self.bulk, *loads])
+        self.walls = find_walls(self.bodies, self.space.scalar, self.space.rest)
         self.stages = self._stages()
-        self.assembly = self.stages[-1]
+        self.problem = self.stages[-1]
 
-    def _stages(self) -> list[Assembly]:
-        walls = find_surface(self.bodies, self.space.scalar, self.space.rest)
+    def _stages(self) -> list[Problem]:
         moduli = np.array([law.plane_strain_modulus for law in self.laws])
-        methods = self.scene.contact.stages(walls, moduli, reach=self.bodies.thickness)
-        return [Assembly(self.space, self.bulk, self.motion.fixed, contact=method) for method in methods]
+        methods = contact_stages(self.scene.contact, self.walls, moduli, reach=self.bodies.thickness)
+        return [Problem(self.space, (*self.terms, ContactTerm(method)), self.motion.fixed) for method in methods]
 
-    def _minimiser(self, assembly: Assembly) -> Minimiser:
+    def _minimiser(self, problem: Problem) -> Minimiser:
         modulus = max(law.shear_modulus for law in self.laws)
         volume = float(self.space.one @ self.space.scalar_mass @ self.space.one)
-        return Minimiser(assembly, self.bodies.thickness / 2, energy_scale=modulus * volume)
+        return Minimiser(problem, self.bodies.thickness / 2, energy_scale=modulus * volume)
 
     def accepted_steps(self) -> Iterator[Equilibrium]:
         """Equilibria at the levels."""
-        apart = self._minimiser(Assembly(self.space, self.bulk, self.motion.fixed))
+        apart = self._minimiser(Problem(self.space, self.terms, self.motion.fixed))
         scale = max(law.shear_modulus for law in self.laws) / self.bodies.length**2
-        released = Released(apart, tuple(map(self._minimiser, self.stages)), Continuation(scale), self.loads)
+        released = Released(apart, tuple(map(self._minimiser, self.stages)), Continuation(scale))
         for accepted in single_step(released, self.motion, steps=self.scene.level_factors):
             yield Equilibrium(self, accepted)
 

@@ -8,15 +8,16 @@ import pytest
 from netgen.meshing import Mesh
 
 from ngcell.geometry.bodies import FILLING, BodyMesh
-from ngcell.mechanics.bulk import BulkEnergy
-from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
+from ngcell.mechanics.bulk import InclusionEnergy
+from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
 from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
-from ngcell.problem.assembly import Assembly
+from ngcell.problem.problem import Problem
 from ngcell.scene import Traction
 from ngcell.solve.minimise import Minimiser
-from ngcell.solve.minimum import Ending, ProximalTerm
+from ngcell.solve.minimum import Ending
+from ngcell.solve.proximal import ProximalTerm
 
 MU, FORCE = 80.1938, 100.0
 #: Exponent by which elements get smaller towards the corner where the stress is singular.
@@ -57,8 +58,8 @@ def corner(count: int, order: int, ratio: float) -> tuple[np.ndarray, int]:
     motion = PrescribedMotion(space, [Support("clamped", np.zeros((2, 2)), np.zeros(2))])
     law = MooneyRivlin(c1=MU, c2=0.0, bulk_modulus=ratio * MU)
     loads = BoundaryLoads(space, [Traction("pulled", (0.0, FORCE / 16))], motion)
-    bulk = BulkEnergy(space, [law], loads, filling=law)
-    minimiser = Minimiser(Assembly(space, bulk, motion.fixed), np.inf, energy_scale=MU * 48 * 30)
+    problem = Problem(space, [InclusionEnergy(space, law), loads], motion.fixed)
+    minimiser = Minimiser(problem, np.inf, energy_scale=MU * 48 * 30)
     state = np.zeros(space.unknowns)
     for load in np.linspace(0.25, 1.0, 4):
         loads.apply(load)

@@ -47,10 +47,10 @@ def test_pressure_in_confined_cells_of_any_wall_moves_nothing_and_comes_back_as_
     )
     simulation = Simulation(case)
     (step,) = simulation.accepted_steps()
-    edge = np.unique(simulation.scene.facing.facet)
+    edge = np.unique(simulation.setup.facing.edge)
     places = np.linspace(0.01, 0.99, 7)
-    points = SurfacePoints(np.repeat(edge, 7), np.tile(places, len(edge)), np.zeros(7 * len(edge)))
-    found = simulation.released.contact.pressures(simulation.released.positions(step.displacement), points)
+    points = WallPoints(np.repeat(edge, 7), np.tile(places, len(edge)), np.zeros(7 * len(edge)))
+    found = simulation.contact.contact_pressures(simulation.problem.configuration(step.displacement), points)
     np.testing.assert_allclose(found, pressure, rtol=1e-3)
     assert np.abs(step.displacement).max() < 1e-3
     assert step.record.largest_gap < 1e-5
@@ -84,7 +84,7 @@ def test_a_pressure_that_comes_first_is_there_in_full_at_every_level():
         lumen = {"kind": "pressure", "pressure": pressure, "ramp": ramp}
         steps = simulate(tissue(1, 2, lumen=lumen, load=load))
         assert all(step.measurement.certificate.passed for step in steps)
-        return [step.record.energy for step in steps if step.record.phase == "contact"]
+        return [step.record.energy for step in steps if step.record.phase == "released"]
 
     first, grown, twice = energies(0.004, "first"), energies(0.004, "with-load"), energies(0.008, "with-load")
     assert first == pytest.approx([twice[0], grown[1]], rel=1e-9)

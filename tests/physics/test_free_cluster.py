@@ -7,19 +7,19 @@ from itertools import chain, combinations
 import numpy as np
 import pytest
 
+from ngcell.contact.methods.terms import ContactTerm
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.rings import ring_mesh
-from ngcell.mechanics.bulk import BulkEnergy
 from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion
-from ngcell.problem.assembly import Assembly
+from ngcell.mechanics.symbolic import fused
+from ngcell.problem.problem import Problem
 from ngcell.results.forces import contact_forces
 from ngcell.scene import Pressure
 from ngcell.solve.continuation import Continuation
 from ngcell.solve.released import Released
-from ngcell.solve.single_step import single_step
-from tests.tissues import LAW, SmallTissue
+from tests.tissues import LAW, SmallTissue, contact_set, single_step
 
 PRESSURE = 0.05
 
@@ -35,10 +35,10 @@ def free_cluster(rows: int, cols: int) -> SmallTissue:
 def test_no_cut_through_a_free_cluster_carries_a_force(rows, cols):
     tissue = free_cluster(rows, cols)
     loads = BoundaryLoads(tissue.space, [Pressure("lumen", PRESSURE)], tissue.motion)
-    bulk = BulkEnergy(tissue.space, [LAW] * tissue.bodies.body_count, loads)
-    apart, touching = (Assembly(tissue.space, bulk, tissue.motion.fixed, contact=c) for c in (None, tissue.contact))
+    terms, contact = fused([tissue.bulk, loads]), ContactTerm(tissue.contact)
+    apart, touching = (Problem(tissue.space, (*terms, *more), tissue.motion.fixed) for more in ((), (contact,)))
     path = Continuation(LAW.shear_modulus)
-    released = Released(tissue.minimiser(apart), (tissue.minimiser(touching),), path, loads)
+    released = Released(tissue.minimiser(apart), (tissue.minimiser(touching),), path)
     (step,) = single_step(released, tissue.motion, steps=[1.0])
     state = step.minimum.state
     forces = contact_forces(touching, state)
@@ -51,5 +51,5 @@ def test_no_cut_through_a_free_cluster_carries_a_force(rows, cols):
         assert np.linalg.norm(across) < 1e-4 * scale
     assert forces.total < 1e-3 * scale
     # Each wall rises: the cluster opens at the corners.
-    gap = state.contact.kinematics.gaps(touching.positions(state.displacement))
+    gap = contact_set(touching, state).kinematics.gaps(state.positions)
     assert gap.max() > 1e-3

@@ -32,11 +32,11 @@ def steps(scene):
 )
 def test_two_layers_pressed_bear_what_a_prism_of_twice_the_height_bears(lumen, order):
     """Between them, where by symmetry nothing slides, is a plane of symmetry of the tall prism."""
-    tall = steps(stack(1, (0, 0, -0.05), height=2 * HEIGHT, slices=2, lumen=lumen, order=order))["contact"]
+    tall = steps(stack(1, (0, 0, -0.05), height=2 * HEIGHT, slices=2, lumen=lumen, order=order))["released"]
     found = steps(stack(2, (0, 0, -0.05), lumen=lumen, order=order))
     assert found["tied"].record.energy == pytest.approx(tall.record.energy, rel=1e-9)
     assert found["tied"].record.plate_force_z == pytest.approx(tall.record.plate_force_z, rel=1e-9)
-    step = found["contact"]
+    step = found["released"]
     assert step.record.certified
     assert step.record.parted_pairs == 0
     # Penalty terms between the layers give way by a length that is that of gaps, in proportion to the shortening.
@@ -53,7 +53,7 @@ def test_two_layers_pressed_bear_what_a_prism_of_twice_the_height_bears(lumen, o
 def test_two_layers_pulled_part_and_bear_nothing(tissue):
     found = steps(stack(2, (0, 0, 0.1), tissue=tissue))
     assert found["tied"].record.plate_force_z > 0.5
-    step = found["contact"]
+    step = found["released"]
     assert step.record.certified
     assert step.record.energy < 1e-12
     assert abs(step.record.plate_force_z) < 1e-8
@@ -66,7 +66,7 @@ def test_layers_slide_on_each_other():
     """Without friction a sheared stack has next to nothing to hold against, and corners do not sink in."""
     found = steps(stack(2, (0.2, 0, -0.01), tissue=CLOSED))
     assert found["tied"].record.plate_force_x > 0.1
-    step = found["contact"]
+    step = found["released"]
     assert step.record.certified
     assert abs(step.record.plate_force_x) < 0.02 * found["tied"].record.plate_force_x
     assert step.record.contact_force == pytest.approx(-step.record.plate_force_z, rel=0.01)
@@ -74,13 +74,13 @@ def test_layers_slide_on_each_other():
 
 def test_moving_the_whole_stack_moves_the_answer():
     simulation = Simulation(stack(2, (0, 0, -0.05), tissue=CLOSED, cells=2))
-    assembly, space = simulation.released, simulation.space
+    problem, space = simulation.problem, simulation.space
     translation = np.array([0.3, -2.0, 5.0])
     at = space.affine(np.diag([0.01, -0.02, -0.04]), np.zeros(3)).ravel()
     there = at + space.affine(np.zeros((3, 3)), translation).ravel()
-    one, two = assembly.at(at), assembly.at(there)
+    one, two = problem.at(at), problem.at(there)
     assert two.energy == pytest.approx(one.energy, rel=1e-9)
-    np.testing.assert_allclose(assembly.gradient(two), assembly.gradient(one), atol=1e-9 * np.abs(one.energy))
+    np.testing.assert_allclose(problem.gradient(two), problem.gradient(one), atol=1e-9 * np.abs(one.energy))
 
 
 def test_each_layer_has_its_own_pressures_and_its_load_passes_through_all():

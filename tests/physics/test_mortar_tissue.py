@@ -69,16 +69,16 @@ def test_the_stiffness_of_the_penalty_terms_leaves_no_trace(multiple, monkeypatc
 def test_k6_the_plates_pull_as_hard_as_walls_press_across_a_cut(contact, cut):
     """The cut runs between two rows, through contact only; what the last proximal term holds counts apart."""
     simulation = Simulation(case(contact=contact))
-    *_, accepted = simulation._accepted(Checkpoint())
-    assembly, state, proximal = simulation.released, accepted.minimum.state, accepted.minimum.proximal
-    pull = proximal.strength * (assembly.mass @ (proximal.centre - state.displacement))
-    support = assembly.reactions(assembly.gradient(state) - pull)
+    *_, accepted = simulation.follow(Checkpoint())
+    problem, state, proximal = simulation.problem, accepted.minimum.state, accepted.minimum.proximal
+    pull = -proximal.gradient(state.displacement, problem.mass)
+    support = problem.unknowns.reactions(problem.gradient(state) - pull)
     above = np.arange(9) // 3 >= cut
-    forces = contact_forces(assembly, state)
+    forces = contact_forces(problem, state)
     crosses = above[forces.bodies[:, 0]] != above[forces.bodies[:, 1]]
     upwards = np.where(above[forces.bodies[:, 0]], 1, -1)[crosses, None]
     across = (upwards * forces.force[crosses]).sum(0)
-    plate, held = (body_resultants(assembly, force)[above].sum(0) for force in (support, pull))
+    plate, held = (body_resultants(problem.space, force)[above].sum(0) for force in (support, pull))
     size = np.linalg.norm(plate)
     assert size > 1e-3 and np.linalg.norm(held) < 1e-6 * size
     np.testing.assert_allclose(across + plate, 0, atol=1e-6 * size)

@@ -18,7 +18,8 @@ from ngcell.scene import Mortar
 from ngcell.scene.bodies import Body, BodyScene, BodySupport
 from tests.physics.rig import Equilibrium, Rig, rubber
 from tests.physics.test_stacked_blocks import KAPPA, compressed
-from tools.references.radial import RadialSolid
+from tests.tissues import contact_term
+from tools.radial import RadialSolid
 
 #: Compressible enough to be compressed without widening.
 SPONGE = 5.0
@@ -54,9 +55,9 @@ def pressed(stretch: float, sizes: tuple[float, float], order: int, *, confined:
 
 def multipliers(state: Equilibrium) -> np.ndarray:
     """Pressures of the functions that are pressed, and those of point constraints that press."""
-    contact = state.accepted.minimum.state.contact
+    contact = state.contact_set
     pressure = contact.pressures(state.positions)
-    along = contact.rows < state.rig.assembly.contact.space.size
+    along = contact.rows < contact_term(state.rig.problem).method.space.size
     assert (pressure[~along] == 0).all()
     return pressure[along]
 

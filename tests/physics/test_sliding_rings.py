@@ -40,7 +40,7 @@ def test_walls_overlap_by_no_more_than_the_penalty_lets_them(passage):
     """The peak of the pressure is near its mean, and outlines as polygons, six chords an edge, tell the same depth."""
     sagitta = (0.1 / 6) ** 2 / (8 * 0.5)
     for state in passage:
-        contact, walls = state.accepted.minimum.state.contact, state.rig.assembly.contact.walls
+        contact, walls = state.contact_set, state.rig.walls
         gap, _ = state.contact_points()
         closed = gap < 0
         length = contact.kinematics.pairs.weight[closed].sum() / 2
@@ -64,8 +64,8 @@ def test_energy_does_not_jump_where_points_slide_from_edge_to_edge(passage):
     second = rig.space.one * (rig.space.body_of_unknown == 1)
 
     def energy(along: float) -> float:
-        moved = np.array([0.4 + along, 0.08])[:, None] * second
-        return rig.assembly.at(moved.ravel()).energy
+        moved = np.array([0.4 + along, 0.08])[:, None] * lifting
+        return rig.problem.at(moved.ravel()).energy
 
     energies = np.array([energy(along) for along in np.linspace(0.0, 0.1, 401)])
     assert energies.min() > 0

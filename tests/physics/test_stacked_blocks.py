@@ -80,7 +80,7 @@ def pressed(stretch: float, walls: str | None = None) -> Equilibrium:
 
 def stiffness_of(state: Equilibrium) -> float:
     """Penalty stiffness for each reference length: the same all along the matching walls."""
-    contact = state.accepted.minimum.state.contact
+    contact = state.contact_set
     both_passes = 2 * contact.stiffness / contact.kinematics.pairs.weight
     assert np.ptp(both_passes) < 1e-9 * both_passes.mean()
     return float(both_passes.mean())

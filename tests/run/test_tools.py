@@ -9,6 +9,7 @@ from click import Context
 from click.testing import CliRunner
 
 from tools import extreme, references, studies
+from tools.studies import constants, patching
 
 TOOLS = Path(extreme.__file__).parents[1]
 GROUPS = {group.__name__: group.commands for group in (references, studies, extreme)}
@@ -32,3 +33,11 @@ def test_each_package_lists_its_commands_with_a_line_each(package):
 
 def test_modules_are_no_scripts():
     assert [file for file in TOOLS.rglob("*.py") if "__name__ ==" in file.read_text(encoding="utf-8")] == []
+
+
+@pytest.mark.parametrize("number", constants.CHANGES)
+def test_numbers_of_the_solver_are_changed_where_they_are_and_put_back(number):
+    before = patching.usual(number)
+    with patching.changed(number, 2 * before):
+        assert patching.usual(number) == 2 * before
+    assert patching.usual(number) == before

@@ -240,7 +240,7 @@ WRONG: dict[str, tuple[tuple[str, str], int, str, str]] = {
         ("[load]", '[strategy]\nkind = "sdpp"\n[load]'),
         16,
         'strategy.kind = "sdpp"',
-        'did you mean sddp?; allowed: one of "sddp", "single-step"',
+        'did you mean sddp?; allowed: one of "load-stepping", "sddp", "single-step"',
     ),
     "no steps": (
         ("[load]", "[strategy]\nsteps = 0\n[load]"),

@@ -13,8 +13,8 @@ import click
 import numpy as np
 
 import ngcell
-from ngcell.build.simulation import Simulation
-from ngcell.contact.surface.surface import SurfacePoints
+from tools.commands import described
+from tools.solutions import solved
 
 #: Places on each edge at which pressures are compared.
 PLACES = np.linspace(0.01, 0.99, 9)
@@ -39,12 +39,8 @@ def command(rows: int, cols: int, wall: float, pressure: float, ratio: float, co
             "contact": {"kind": contact},
         }
     )
-    simulation = Simulation(case)
-    with threadpool_limits(1):
-        (step,) = simulation.accepted_steps()
-    edge = np.unique(simulation.scene.facing.facet)
-    points = SurfacePoints(np.repeat(edge, len(PLACES)), np.tile(PLACES, len(edge)), np.zeros(len(PLACES) * len(edge)))
-    found = simulation.released.contact.pressures(simulation.released.positions(step.displacement), points) / pressure
+    solution = solved(case)
+    step, found = solution.last, solution.pressures_between_cells(PLACES) / pressure
     click.echo(
         f"{rows}x{cols} cells, pressure {pressure:g}: contact pressure over it {found.min():.6f} to {found.max():.6f}, "
         f"displacement {np.abs(step.displacement).max():.1e}, gaps {step.record.smallest_gap:.1e} to "

@@ -2,7 +2,7 @@
 
     python -m tools.references peel [--size 0.1] [--steps 60] [--out FILE]
 
-By beam theory two arms of height h whose ends are pulled apart by 2 d with a force P have a crack whose length a is that
+By beam theory two arms of height h, whose ends a force P pulls apart by 2 d, have a crack whose length a is that
 of ``d = P a^3 / (3 E I)``, and release the energy ``G = P^2 a^2 / (E I)`` for each unit of crack, with
 ``I = h^3 / 12`` and the modulus E of plane strain. The length that follows from force and opening includes what the
 arms give way in front of the crack. Bonds break at G = separation energy, so the peel has to go on at that G, whatever

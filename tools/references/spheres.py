@@ -69,18 +69,14 @@ def pressed(approach: float, size: float, *, order: int = 2) -> Pressed:
         BodySupport(f"{name}_flat", translation=(0.0, 0.0, way * approach / 2), components=(False, False, True))
         for name, way in (("lower", 1.0), ("upper", -1.0))
     ]
-    simulation = Simulation(BodyScene(bodies, supports, size=16.0, order=order, levels=1))
-    step = list(simulation.accepted_steps())[-1]
-    if not step.record.certified:
-        raise click.ClickException(f"not certified: {', '.join(step.measurement.certificate.failures)}")
-    walls, released = simulation.walls, simulation.released
-    points = walls.quadrature
-    pressure = released.contact.pressures(released.positions(step.displacement), points)
-    place = walls.places(points.facet, points.xi, walls.rest)
-    normal_force = (pressure * points.weight)[walls.body[points.facet] == 0]
-    square = (place[:, :2] ** 2).sum(1)[walls.body[points.facet] == 0]
-    force = 4 * step.record.contact_force
-    radius = sqrt(2.5 * float(normal_force @ square / normal_force.sum()))
+    solution = solved(BodyScene(bodies, supports, size=16.0, order=order, levels=1))
+    if not solution.certified:
+        failures = solution.last.measurement.certificate.failures
+        raise click.ClickException(f"not certified: {', '.join(failures)}")
+    samples = solution.wall_samples(0)
+    square = (samples.place[:, :2] ** 2).sum(1)
+    force = 4 * solution.last.record.contact_force
+    radius = sqrt(2.5 * float(samples.force @ square / samples.force.sum()))
     return Pressed(force, radius, 1.5 * force / (pi * radius**2))
 
 

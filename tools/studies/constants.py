@@ -55,13 +55,13 @@ CHANGES: dict[str, tuple[float, ...]] = {
     "solve.minimise.UNFELT": (1e-5, 1e-3),
     "solve.minimise.STALLED": (1e-13, 1e-11),
     "solve.minimise.IDLE": (3, 10),
-    "contact.methods.stages.PATH_MULTIPLE": (0.5, 2.0),
-    "contact.methods.stages.STAGE_FACTOR": (5.0, 20.0),
-    "contact.methods.stages.HANDOVER_MULTIPLE": (2.0, 5.0),
-    "contact.methods.stages.MORTAR_MULTIPLE": (1.0, 10.0),
+    "contact.methods.stages.DEFAULT_OPTIONS.path_multiple": (0.5, 2.0),
+    "contact.methods.stages.DEFAULT_OPTIONS.stage_factor": (5.0, 20.0),
+    "contact.methods.stages.DEFAULT_OPTIONS.handover_multiple": (2.0, 5.0),
+    "contact.methods.stages.DEFAULT_OPTIONS.mortar_multiple": (1.0, 10.0),
     "contact.methods.penalty.BETWEEN": (1.5, 4.0),
     "contact.methods.mortar.ALLOWED": (1.25e-4, 5e-4),
-    "contact.pairing.segments.FACING": (-0.9, -0.7),
+    "contact.pairing.near.FACING": (-0.9, -0.7),
 }
 
 

@@ -1,6 +1,7 @@
 """The one place where studies change what the package does not hand down as a setting: its own numbers, and calls.
 
-A number is named by its module and name, such as ``solve.continuation.LAST``. When the package hands such a number down
+A number is named by its module and name, such as ``solve.continuation.LAST``, or by the record of defaults that holds
+it. When the package hands such a number down
 in a record, `changed` is where it is put into that record.
 """
 
@@ -11,6 +12,7 @@ from contextlib import contextmanager
 from functools import partial
 from importlib import import_module
 from time import process_time
+from types import ModuleType
 from typing import Any
 
 from ngcell.build import simulation
@@ -21,28 +23,37 @@ from ngcell.export import ResultFolder
 _FIELDS = {"LAST": "last", "NARROWEST": "narrowest"}
 
 
+#: Functions that take these numbers as the defaults of their last parameters when they are defined.
+_DEFAULTS = {"contact.pairing.near.FACING": "facing"}
+
+
 def usual(number: str) -> float:
     """Return one of the package's own numbers."""
-    module, name = _module_and_name(number)
-    return float(getattr(module, name))
+    owner, name = _owner_and_name(number)
+    return float(getattr(owner, name))
 
 
 @contextmanager
 def changed(number: str, value: float) -> Iterator[None]:
     """Put a value in place of one of the package's own numbers."""
-    module, name = _module_and_name(number)
-    places = [place for place in (module, simulation) if hasattr(place, name)]
-    before, path = getattr(module, name), simulation.Continuation
+    owner, name = _owner_and_name(number)
+    places = [place for place in (owner, simulation) if hasattr(place, name)]
+    before, path = getattr(owner, name), simulation.Continuation
+    function = getattr(owner, _DEFAULTS[number]) if number in _DEFAULTS else None
     for place in places:
-        setattr(place, name, value)
+        _set(place, name, value)
     if name in _FIELDS:
         simulation.Continuation = partial(path, **{_FIELDS[name]: value})
+    if function is not None:
+        function.__defaults__ = (value,)
     try:
         yield
     finally:
         simulation.Continuation = path
         for place in places:
-            setattr(place, name, before)
+            _set(place, name, before)
+        if function is not None:
+            function.__defaults__ = (before,)
 
 
 @contextmanager
@@ -80,9 +91,20 @@ def seconds_of_contact() -> Iterator[dict[str, float]]:
             setattr(owner, name, call)
 
 
-def _module_and_name(number: str) -> tuple[Any, str]:
-    module, _, name = number.rpartition(".")
-    return import_module(f"ngcell.{module}"), name
+def _owner_and_name(number: str) -> tuple[Any, str]:
+    """Return the module, or the record of default options in a module, that holds a number, and its name there."""
+    path, _, name = number.rpartition(".")
+    module, _, record = path.rpartition(".")
+    if record.isupper():
+        return getattr(import_module(f"ngcell.{module}"), record), name
+    return import_module(f"ngcell.{path}"), name
+
+
+def _set(owner: Any, name: str, value: float) -> None:
+    if isinstance(owner, ModuleType):
+        setattr(owner, name, value)
+    else:
+        object.__setattr__(owner, name, value)  # a record of defaults is frozen, and shared by all that use it
 
 
 def _methods(owner: type) -> Sequence[str]:

@@ -48,6 +48,8 @@ class Cohesion(BaseModel):
             refuse('does not go with contact.kind = "mortar"; allowed: contact.kind = "penalty"')
         if not getattr(scene.get("lumen"), "goes_with_cohesion", True):
             refuse('does not go with lumen.kind = "fluid"; allowed: another lumen, or none')
+        if not getattr(scene.get("strategy"), "goes_with_history", True):
+            refuse('does not go with strategy.kind = "single-step"; allowed: "sddp" or "load-stepping"')
 
     @property
     def peak(self) -> float:

@@ -21,28 +21,23 @@ import logging
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import copysign
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BaseModel
 
-from ngcell.solve.minimum import Ending, Minimum, ProximalTerm
+from ngcell.scene.section import SECTION, PositiveCount
+from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.outcome import Outcome
-from ngcell.solve.problem import State
-from ngcell.solve.released import Released
-from ngcell.solve.step import MOST_HALVINGS, Accepted, Account, Motion, StepFailed
+from ngcell.solve.problem import Driven, State
+from ngcell.solve.proximal import ProximalTerm
+from ngcell.solve.step import MOST_HALVINGS, Accepted, Account, StepFailed
+from ngcell.solve.strategies.strategy import Progress, Task
 
 Array = NDArray[np.float64]
 
 _log = logging.getLogger(__name__)
-
-#: Largest mismatch of a step, as a share of the energy that the step moves, and below which the next may be longer.
-MISMATCH, LONGER = 1e-3, 2e-4
-#: Share of all energy so far that counts as moved even where less is.
-QUIET = 1e-4
-#: Share of the energy moved that the forces at both ends leave unexplained and above which walls have snapped.
-SNAPPED = 0.1
-#: Longest way of the bodies along the straight line, in longest steps or ways of the supports.
-FARTHEST = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,68 +51,48 @@ class _Place:
 
 @dataclass(frozen=True, eq=False)
 class _Stand:
-    """A state, the gradient of its energy, the share of the loads that acts on it and their potential in full."""
+    """A state, the gradient of its energy, and how loads take in work there."""
 
     state: State
     force: Array
-    share: float
-    potential: float
+    drives: Sequence[Driven]
 
 
-class LoadStepping:
-    """The continuation.
+class LoadStepping(BaseModel):
+    """Load steps that follow each other, as scenes with a history need: every step starts where the one before ended.
 
     Parameters
     ----------
-    released : Released
-        The problem with contact and bonds, and its history.
-    motion : Motion
-        The supports.
+    steps : int, optional
+        Smallest number of load steps, >= 1; by default one for each level of the load. The balance of energy asks for more
+        where it has to.
     """
 
-    def __init__(self, released: Released, motion: Motion) -> None:
-        self._released, self._motion = released, motion
-        self._minimiser = released.minimisers[-1]
-        self._problem = self._minimiser.problem
+    model_config = SECTION
 
-    def steps(
-        self,
-        targets: Sequence[float],
-        *,
-        done: int = 0,
-        load: float = 0.0,
-        displacement: Array | None = None,
-        dissipation: float = 0.0,
-        increment: float | None = None,
-    ) -> Iterator[Accepted]:
-        """Yield accepted steps up to each target in turn, with as many between them as the balance asks for.
+    kind: Literal["load-stepping"] = "load-stepping"
+    steps: PositiveCount | None = None
 
-        Parameters
-        ----------
-        targets : sequence of float
-            Load factors, in the order of the load path.
-        done : int
-            Number of targets that the continuation has come to.
-        load : float
-            Load factor to go on from.
-        displacement : array of float, shape (unknowns,), optional
-            The displacement there [length]; by default that at rest.
-        dissipation : float
-            What has been lost up to there [energy].
-        increment : float, optional
-            Change of load factor of the first step; by default up to the first target.
+    def follow(self, task: Task, progress: Progress) -> Iterator[Accepted]:
+        """Yield accepted steps up to each load factor in turn, with as many between them as the balance asks for."""
+        return _Path(task).steps(progress)
 
-        Raises
-        ------
-        StepFailed
-            If a step finds no equilibrium, or does not balance, even when it is as short as allowed.
-        """
-        self._apply(load)
-        at_rest = self._motion.imposed(np.zeros(len(self._problem.free)), 0.0)
-        state = self._problem.at(at_rest if displacement is None else displacement)
-        place = _Place(load, Minimum(state, Ending.CONVERGED, 0.0, ProximalTerm(0.0, state.displacement)), dissipation)
+
+class _Path:
+    """The load path of a task."""
+
+    def __init__(self, task: Task) -> None:
+        self._task, self._released, self._motion = task, task.released, task.motion
+        self._minimiser = task.released.minimisers[-1]
+        self._problem, self._options = self._minimiser.problem, task.options.load_stepping
+
+    def steps(self, progress: Progress) -> Iterator[Accepted]:
+        """Yield accepted steps after those of `progress`."""
+        targets, memory = self._task.steps, progress.memory
+        done = int(memory.get("targets", 0))
+        increment = float(memory.get("increment", 0.0)) or abs(targets[0])
+        place = self._start(progress)
         shortest = float(np.abs(np.diff([0.0, *targets])).min()) / 2**MOST_HALVINGS
-        increment = increment or abs(targets[0])
         for number, target in enumerate(targets[done:], done):
             while place.load != target:
                 before = self._released.effort
@@ -134,26 +109,33 @@ class LoadStepping:
                     goal = place.load + copysign(increment, way)
                     tried = self._tried(place, goal, is_shortest=increment < shortest)
                 place, account = tried
-                self._released.history.advance(place.minimum.state.displacement)
-                increment *= 2 if account.mismatch_share < LONGER else 1
+                self._problem.accept(place.minimum.state.displacement)
+                increment *= 2 if account.mismatch_share < self._options.longer else 1
                 account = replace(account, increment=increment, targets=number + (goal == target))
-                yield Accepted("contact", goal, place.minimum, self._released.effort - before, account)
+                yield Accepted("released", goal, place.minimum, self._released.effort - before, account)
+
+    def _start(self, progress: Progress) -> _Place:
+        self._released.apply(progress.load_factor)
+        at_rest = self._motion.imposed(np.zeros(len(self._problem.free)), 0.0)
+        state = self._problem.at(progress.displacement.get("released", at_rest))
+        start = Minimum(state, Ending.CONVERGED, 0.0, ProximalTerm(0.0, state.displacement))
+        return _Place(progress.load_factor, start, float(progress.memory.get("dissipation", 0.0)))
 
     def _tried(self, place: _Place, goal: float, *, is_shortest: bool) -> tuple[_Place, Account] | None:
         """Return where a step leads, or None if it is too long."""
         start = self._stand(place.minimum.state, place.load)
         towards = self._followed(start.state.displacement, goal)
-        self._apply(goal)
+        self._released.apply(goal)
         moved = self._stand(self._problem.at(towards), goal)
         if np.isfinite(moved.state.energy):
             minimum = self._fallen(towards)
-            least = 0.0 if is_shortest else SNAPPED
+            least = 0.0 if is_shortest else self._options.snapped
             lost, mismatch, share = self._balance(start, moved, self._stand(minimum.state, goal), least)
             _log.info("step to %.6g: %s, mismatch %.1e, lost %.1e", goal, minimum.ending.value, share, lost)
-            if minimum.is_found and share <= MISMATCH:
+            if minimum.is_found and share <= self._options.mismatch:
                 account = Account(place.dissipation + lost, mismatch, share)
                 return _Place(goal, minimum, account.dissipation), account
-        self._apply(place.load)
+        self._released.apply(place.load)
         return None
 
     def _fallen(self, start: Array) -> Minimum:
@@ -174,43 +156,36 @@ class LoadStepping:
         """
         free = self._problem.free
         way = np.where(free, 0.0, end.state.displacement - start.state.displacement)
-        mismatch, share = _unexplained(start, end, way)
-        if share <= max(MISMATCH, least):
+        mismatch, share = _unexplained(start, end, way, self._options.quiet)
+        if share <= max(self._options.mismatch, least):
             return 0.0, mismatch, share
         way = moved.state.displacement - start.state.displacement
-        mismatch, share = _unexplained(start, moved, way)
+        mismatch, share = _unexplained(start, moved, way, self._options.quiet)
         held_back = float((start.force + moved.force)[free] @ way[free]) / 2
         return moved.state.energy - end.state.energy - held_back, mismatch, share
 
     def _stand(self, state: State, load: float) -> _Stand:
-        loads, force = self._released.loads, np.zeros(0)
-        if np.isfinite(state.energy):
-            force = self._problem.gradient(state)
-        if loads is None:
-            return _Stand(state, force, 0.0, 0.0)
-        return _Stand(state, force, loads.share(load), loads.potential(state.displacement, 1.0))
+        force = self._problem.gradient(state) if np.isfinite(state.energy) else np.zeros(0)
+        return _Stand(state, force, self._problem.drives(state.displacement, load))
 
     def _followed(self, displacement: Array, goal: float) -> Array:
         """Return where the bodies are when the supports have moved, held back where they would run ahead."""
         imposed = self._motion.imposed(displacement, goal)
         weight = self._released.path.last_proximal(displacement).weight
-        limit = FARTHEST * max(self._minimiser.longest_step, float(np.abs(imposed - displacement).max()))
+        limit = self._options.farthest * max(self._minimiser.longest_step, float(np.abs(imposed - displacement).max()))
         while True:
             towards = self._minimiser.predict(displacement, imposed, weight)
             if float(np.abs(towards - displacement).max()) <= limit:
                 return towards
             weight *= 100
 
-    def _apply(self, load: float) -> None:
-        if self._released.loads is not None:
-            self._released.loads.apply(load)
 
-
-def _unexplained(one: _Stand, two: _Stand, way: Array) -> tuple[float, float]:
+def _unexplained(one: _Stand, two: _Stand, way: Array, quiet: float) -> tuple[float, float]:
     """Return work minus change of energy on a way, by the trapezoidal rule, and its share of what is moved."""
     work = float((one.force + two.force) @ way) / 2
-    work += (two.share - one.share) * (one.potential + two.potential) / 2
+    for before, after in zip(one.drives, two.drives, strict=True):
+        work += (after.share - before.share) * (before.potential + after.potential) / 2
     change = two.state.energy - one.state.energy
     mismatch = work - change
-    moved = max(abs(change), abs(work), QUIET * abs(one.state.energy), np.finfo(float).tiny)
+    moved = max(abs(change), abs(work), quiet * abs(one.state.energy), np.finfo(float).tiny)
     return mismatch, abs(mismatch) / moved

@@ -1,18 +1,24 @@
 """Ends of prisms that are moved, turned against each other and tilted.
 
-Angles and displacement grow in proportion to the load factor, so a front that turns keeps its size on the way: its
+Angles and displacement grow in proportion to the load factor, so an end that turns keeps its size on the way: its
 displacement does not grow in proportion.
 """
 
 from __future__ import annotations
 
+from typing import Annotated, Any, ClassVar, Literal
+
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BaseModel, Field, Strict
 
 from ngcell.geometry.bodies import LOWER_END, UPPER_END
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
-from ngcell.scene import Ends
+from ngcell.scene.bodies import Traction
+from ngcell.scene.levels import Levels, level_factors
+from ngcell.scene.scope import is_planar, refuse
+from ngcell.scene.section import SECTION
 
 Array = NDArray[np.float64]
 
@@ -20,8 +26,58 @@ Array = NDArray[np.float64]
 _NEARBY = 1e-4
 
 
+class Ends(BaseModel):
+    """The ends of prisms: the lower ones are held, the upper ones move together as one rigid plate.
+
+    Parameters
+    ----------
+    twist : float
+        Angle by which the upper end is turned about the tissue's axis at load factor 1, in degrees, in (-180, 180).
+    bend : float
+        Angle by which the upper end is tilted towards x at load factor 1, in degrees, in (-180, 180). Its centre goes to
+        where the tissue's axis ends when it is bent to a circular arc of its own length.
+    displacement : tuple of float, shape (3,)
+        Displacement of the upper end at load factor 1, besides that of twist and bend; a length.
+    levels : int or tuple of float
+        Number of equal levels, or the load factors in [0, 1] that are reported.
+    """
+
+    model_config = SECTION
+
+    supported: ClassVar[str | None] = None
+    moved: ClassVar[str] = UPPER_END
+
+    kind: Literal["ends"] = "ends"
+    twist: Annotated[float, Field(gt=-180, lt=180)] = 0.0
+    bend: Annotated[float, Field(gt=-180, lt=180)] = 0.0
+    displacement: Annotated[tuple[float, float, float], Strict(False)] = (0.0, 0.0, 0.0)
+    levels: Levels = 10
+
+    @property
+    def level_factors(self) -> tuple[float, ...]:
+        """Load factors of the levels, in [0, 1]."""
+        return level_factors(self.levels)
+
+    def check_scope(self, scene: dict[str, Any]) -> None:
+        """Refuse a planar tissue, which has no ends."""
+        if is_planar(scene):
+            refuse("is for prisms; allowed: only beside tissue.height", "kind")
+
+    def motion(self, space: DisplacementSpace) -> PrescribedMotion:
+        """Return the motion."""
+        return EndsMotion(space, self)
+
+    def prescribed_displacement(self, space: DisplacementSpace) -> Array:
+        """Return the displacement of the upper end at load factor 1 [length], besides that of twist and bend."""
+        return np.array(self.displacement)
+
+    def tractions(self) -> tuple[Traction, ...]:
+        """Return no forces."""
+        return ()
+
+
 class EndsMotion(PrescribedMotion):
-    """The back is held and the front moves rigidly; in between, the lifting moves, twists and tilts sections in
+    """The lower end is held and the upper one moves rigidly; in between, the lifting moves, twists and tilts sections in
     proportion to their height.
 
     Parameters
@@ -59,7 +115,7 @@ class EndsMotion(PrescribedMotion):
         return rate.ravel()
 
     def _of_upper_end(self, load_factor: float) -> Array:
-        """Return the displacement of the front, which is rigid, as unknowns."""
+        """Return the displacement of the upper end, which is rigid, as unknowns."""
         tilt, twist, prescribed_displacement = self._at(load_factor)
         turned = _about_y(tilt) @ _about_z(twist)
         upper_end = self._foot + [0.0, 0.0, self._length]
@@ -75,7 +131,7 @@ class EndsMotion(PrescribedMotion):
         x, y = np.cos(turn) * across[0] - np.sin(turn) * across[1], np.sin(turn) * across[0] + np.cos(turn) * across[1]
         tilted = np.array([np.cos(tilt * share) * x, y, -np.sin(tilt * share) * x])
         centre = self._foot[:, None] + _arc(tilt, share, self._length)
-        return centre + tilted - at + share * prescribed_displacement[:, None]
+        return np.asarray(centre + tilted - at + share * prescribed_displacement[:, None])
 
     def _at(self, load_factor: float) -> tuple[float, float, Array]:
         """Return tilt and twist [rad] and displacement [length]."""

@@ -1,0 +1,192 @@
+"""Contact and cohesion as terms of the sum."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from ngcell.contact.cohesion.bonds import Bonds
+from ngcell.contact.methods.protocol import ContactMethod, ContactSet
+from ngcell.contact.surface.surface import SurfacePoints
+from ngcell.mechanics.report import Check, Scales
+from ngcell.mechanics.term import Configuration, Interaction, OneSided, Role, Term
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+#: Limits of checks, and what these are.
+TENSION, COMPLEMENTARITY, WEIGHTED = 0.0, 0.02, 1e-6
+_MEANING = {
+    "tension": "largest tensile contact pressure over the shear modulus",
+    "complementarity": "integral of contact pressure times gap over the stored energy",
+    "weighted_overlap": "deepest overlap averaged by a multiplier's function over the thinnest wall; mortar only",
+    "weighted_complementarity": "sum of multipliers times weighted gaps over the stored energy; mortar only",
+}
+
+
+class ContactTerm(Term):
+    """Unilateral contact by any method: its energy consists of one-sided constraints, with pairs found in each state.
+
+    Parameters
+    ----------
+    method : ContactMethod
+        The method.
+    """
+
+    def __init__(self, method: ContactMethod) -> None:
+        self.method = method
+
+    @property
+    def role(self) -> Role:
+        """Contact acts between bodies."""
+        return Role.INTERACTION
+
+    def found(self, at: Configuration) -> ContactSet:
+        """Return the contact pairs at a configuration."""
+        return at.once(self, self.method.pair)
+
+    def value(self, at: Configuration) -> float:
+        """Return the energy of the contact conditions."""
+        return self.found(at).energy(at.positions)
+
+    def gradient(self, at: Configuration) -> Array:
+        """Return nothing but zeros: all of it is that of constraints."""
+        return np.zeros(at.positions.size)
+
+    def constraints(self, at: Configuration) -> OneSided:
+        """Return one constraint a condition."""
+        found = self.found(at)
+        gap, jacobian, penalty = found.penalty_terms(at.positions)
+        return OneSided(gap, jacobian, penalty, found.keys)
+
+    def gaps(self, at: Configuration) -> tuple[Index, Array]:
+        """Return keys and gaps of the constraints."""
+        found = self.found(at)
+        return found.keys, found.gaps(at.positions)
+
+    def curvature(self, at: Configuration) -> sparse.coo_array:
+        """Return the part of the tangent that is due to the curvature of closed gaps."""
+        return self.found(at).curvature(at.positions)
+
+    def couplings(self, at: Configuration, margin: float) -> tuple[Index, Index]:
+        """Return the entries that pairs in reach may fill."""
+        return self.method.couplings(at.positions, margin)
+
+    def start_from(self, before: Term, at: Configuration) -> None:
+        """Start from the pressures of the method of the stage before."""
+        assert isinstance(before, ContactTerm)
+        self.method.follow(before.method, at.positions)
+
+    def update_multipliers(self, at: Configuration, stored: Callable[[], float]) -> tuple[float, float]:
+        """Let the method update its pressures, or its penalty."""
+        return self.method.update_multipliers(self.found(at), at.positions, stored)
+
+    def increase_penalty(self) -> None:
+        """Let the method update in larger steps."""
+        self.method.increase_penalty()
+
+    def interaction(self, at: Configuration) -> Interaction:
+        """Return the contact forces, each on the body of the primary point."""
+        kinematics, normal = self.found(at).kinematics, self.found(at).contact_forces(at.positions)
+        closed = normal > 0
+        _, slopes = kinematics.slopes(at.positions)
+        facets = np.column_stack([kinematics.pairs.primary, kinematics.pairs.secondary])[closed]
+        force = normal[closed, None] * slopes[closed, : len(at.positions)]
+        return Interaction(self.method.walls.body[facets], facets, force, normal[closed])
+
+    def contact_pressures(self, at: Configuration, points: SurfacePoints) -> Array:
+        """Return the nominal contact pressure [stress], >= 0."""
+        return self.method.pressures(at.positions, points)
+
+    def overlap(self, at: Configuration) -> float:
+        """Return the deepest overlap at the points of the method [length], >= 0."""
+        return max(0.0, -float(self.found(at).kinematics.gaps(at.positions).min(initial=0.0)))
+
+    def checks(self, at: Configuration, scales: Scales) -> tuple[Check, ...]:
+        """Return tension, complementarity and the method's own conditions."""
+        found = self.found(at)
+        force = found.contact_forces(at.positions)
+        work = abs(float(force @ found.kinematics.gaps(at.positions)))
+        units = {"weighted_overlap": scales.thickness, "weighted_complementarity": scales.at_stake}
+        return (
+            Check("tension", max(0.0, -float(force.min(initial=0.0))), TENSION, _MEANING["tension"]),
+            Check("complementarity", work / scales.at_stake, COMPLEMENTARITY, _MEANING["complementarity"]),
+            *(
+                Check(name, value / units[name], WEIGHTED, _MEANING[name])
+                for name, value in found.missed(at.positions).items()
+            ),
+        )
+
+
+class CohesionTerm(Term):
+    """Bonds between walls, with the history of what has been opened.
+
+    Parameters
+    ----------
+    bonds : Bonds
+        The bonds.
+    """
+
+    def __init__(self, bonds: Bonds) -> None:
+        self.bonds = bonds
+
+    @property
+    def role(self) -> Role:
+        """Bonds act between bodies."""
+        return Role.INTERACTION
+
+    @property
+    def has_history(self) -> bool:
+        """Bonds remember how far they have been opened."""
+        return True
+
+    def value(self, at: Configuration) -> float:
+        """Return the energy of the increment: what is stored in bonds, plus all that has been spent on them."""
+        return self.bonds.energy(at.positions)
+
+    def gradient(self, at: Configuration) -> Array:
+        """Return its gradient, shape (unknowns,)."""
+        return self.bonds.gradient(at.positions)
+
+    def curvature(self, at: Configuration) -> sparse.coo_array:
+        """Return its second derivative."""
+        return self.bonds.tangent(at.positions)
+
+    def couplings(self, at: Configuration, margin: float) -> tuple[Index, Index]:
+        """Return the entries that bonds fill."""
+        return self.bonds.couplings()
+
+    def unstored(self, at: Configuration) -> float:
+        """Return the energy of separation, which bonds do not give back."""
+        return self.bonds.spent(at.positions)
+
+    def accept(self, at: Configuration) -> None:
+        """Keep what has been opened further than ever before."""
+        self.bonds.advance(at.positions)
+
+    def reset(self) -> None:
+        """Make all bonds whole."""
+        self.bonds.reset()
+
+    def memory(self) -> dict[str, NDArray[Any]]:
+        """Return the largest opening of each bond [length]."""
+        return {"largest_opening": self.bonds.largest}
+
+    def recall(self, memory: Mapping[str, NDArray[Any]]) -> None:
+        """Take up the openings of an earlier run."""
+        self.bonds.largest = memory["largest_opening"]
+
+    def interaction(self, at: Configuration) -> Interaction:
+        """Return the forces of the bonds, each on its first body."""
+        pairs = self.bonds.kinematics.pairs
+        force = -self.bonds.slopes(at.positions)[:, : len(at.positions)]
+        return Interaction(self.bonds.bodies, np.column_stack([pairs.primary, pairs.secondary]), force, np.zeros(len(force)))
+
+    def columns(self, at: Configuration) -> dict[str, float]:
+        """Return the energy of separation, and the share of length that was never opened beyond its strength."""
+        broken = float(self.bonds.weight @ self.bonds.broken(at.positions) / self.bonds.weight.sum())
+        return {"separation_energy": self.bonds.spent(at.positions), "bonded_share": 1 - broken}

@@ -1,0 +1,190 @@
+"""Energies that NGSolve can express: terms that are given as integrals, and the one form that all of them share.
+
+Assembling one form of many integrals costs a single loop over the elements; so the sum of terms puts all symbolic ones
+together. Each can also be evaluated by itself, with a form of its own.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable, Iterable, Sequence
+from functools import cached_property
+from typing import Any
+
+import ngsolve
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from ngcell.mechanics.space import DisplacementSpace, csr_matrix
+from ngcell.mechanics.term import Configuration, Index, Term
+
+Array = NDArray[np.float64]
+Integrals = Iterable[ngsolve.comp.SumOfIntegrals]
+
+
+class EnergyForm:
+    """An energy given as integrals, its gradient and its tangent.
+
+    Parameters
+    ----------
+    space : DisplacementSpace
+        The unknowns.
+    integrals : callable
+        Returns the integrals of a displacement, an NGSolve function.
+    """
+
+    def __init__(self, space: DisplacementSpace, integrals: Callable[[ngsolve.CoefficientFunction], Integrals]) -> None:
+        self._unknowns = space.unknowns
+        self._form = ngsolve.BilinearForm(space.vector, symmetric=True)
+        for integral in integrals(space.vector.TrialFunction()):
+            self._form += ngsolve.Variation(integral)
+        self._state = ngsolve.GridFunction(space.vector).vec
+        self._force = self._state.CreateVector()
+        self._is_assembled = False
+
+    def energy(self, displacement: Array) -> float:
+        """Return the energy; NaN where an element is inverted."""
+        return float(self._form.Energy(self._at(displacement)))
+
+    def gradient(self, displacement: Array) -> Array:
+        """Return its gradient, shape (unknowns,)."""
+        self._form.Apply(self._at(displacement), self._force)
+        return np.array(self._force.FV().NumPy())
+
+    def tangent(self, displacement: Array) -> sparse.csr_array:
+        """Return its second derivative, shape (unknowns, unknowns)."""
+        return csr_matrix(self._assembled(displacement))
+
+    @cached_property
+    def pattern(self) -> tuple[Index, Index]:
+        """Rows and columns of the lower triangle of the tangent."""
+        matrix = csr_matrix(self._form.mat if self._is_assembled else self._assembled(np.zeros(self._unknowns)))
+        row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
+        column = matrix.indices.astype(np.int64)
+        self._lower = row >= column
+        return row[self._lower], column[self._lower]
+
+    def lower_tangent(self, displacement: Array) -> Array:
+        """Return the second derivative on `pattern`."""
+        _ = self.pattern
+        values: Array = np.asarray(self._assembled(displacement).CSR()[0])[self._lower]
+        return values
+
+    def _assembled(self, displacement: Array) -> ngsolve.la.BaseMatrix:
+        self._form.AssembleLinearization(self._at(displacement))
+        self._is_assembled = True
+        return self._form.mat
+
+    def _at(self, displacement: Array) -> ngsolve.BaseVector:
+        self._state.FV().NumPy()[:] = displacement
+        return self._state
+
+
+class SymbolicTerm(Term):
+    """A term given as integrals; a user's own energy defines `space` and `integrals`, and nothing else.
+
+    Attributes
+    ----------
+    space : DisplacementSpace
+        The unknowns.
+    """
+
+    space: DisplacementSpace
+
+    @abstractmethod
+    def integrals(self, displacement: ngsolve.CoefficientFunction) -> Integrals:
+        """Return the energy of a displacement, an NGSolve function, as integrals over regions of the mesh."""
+
+    def beyond_integrals(self, displacement: Array) -> Array | None:
+        """Return what the gradient has besides the derivative of the integrals, shape (unknowns,); as a rule nothing."""
+        return None
+
+    @cached_property
+    def form(self) -> EnergyForm:
+        """The term by itself."""
+        return EnergyForm(self.space, self.integrals)
+
+    def value(self, at: Configuration) -> float:
+        """Return the energy; NaN where an element is inverted."""
+        return self.form.energy(at.displacement)
+
+    def gradient(self, at: Configuration) -> Array:
+        """Return its gradient, shape (unknowns,)."""
+        gradient, beyond = self.form.gradient(at.displacement), self.beyond_integrals(at.displacement)
+        return gradient if beyond is None else gradient + beyond
+
+    @property
+    def pattern(self) -> tuple[Index, Index]:
+        """Rows and columns of the lower triangle that `tangent` fills."""
+        return self.form.pattern
+
+    def tangent(self, at: Configuration) -> Array:
+        """Return the second derivative on `pattern`."""
+        return self.form.lower_tangent(at.displacement)
+
+
+class SymbolicSum(SymbolicTerm):
+    """Symbolic terms with one form.
+
+    Parameters
+    ----------
+    parts : sequence of SymbolicTerm
+        The terms, at least one.
+    """
+
+    def __init__(self, parts: Sequence[SymbolicTerm]) -> None:
+        self.parts = tuple(parts)
+        self.space = parts[0].space
+
+    def integrals(self, displacement: ngsolve.CoefficientFunction) -> Integrals:
+        """Return the integrals of all parts."""
+        return [integral for part in self.parts for integral in part.integrals(displacement)]
+
+    def beyond_integrals(self, displacement: Array) -> Array | None:
+        """Return what the gradients of the parts have besides."""
+        found = [part.beyond_integrals(displacement) for part in self.parts]
+        given = [force for force in found if force is not None]
+        return sum(given[1:], start=given[0]) if given else None
+
+    def unstored(self, at: Configuration) -> float:
+        """Return what is not stored in bodies."""
+        return sum(part.unstored(at) for part in self.parts)
+
+
+class OwnEnergy(SymbolicTerm):
+    """An energy that a script adds: integrals of the displacement, as NGSolve expressions.
+
+    Parameters
+    ----------
+    space : DisplacementSpace
+        The unknowns.
+    integrals : callable
+        Returns one integral, or several, of the displacement and the mesh: `lambda u, mesh: k/2 * u[0]**2 * ngsolve.ds(...)`.
+
+    Notes
+    -----
+    What it stores counts as stored energy, and its forces as internal.
+    """
+
+    def __init__(self, space: DisplacementSpace, integrals: Callable[[Any, ngsolve.Mesh], Any]) -> None:
+        self.space, self._integrals = space, integrals
+
+    def integrals(self, displacement: ngsolve.CoefficientFunction) -> Integrals:
+        """Return the integrals that the script gives."""
+        given = self._integrals(displacement, self.space.bodies.mesh)
+        return given if isinstance(given, (list, tuple)) else [given]
+
+
+def parts_of(terms: Sequence[Any]) -> tuple[Any, ...]:
+    """Return terms with those that are one put apart again."""
+    return tuple(part for term in terms for part in (term.parts if isinstance(term, SymbolicSum) else (term,)))
+
+
+def fused(terms: Sequence[Term]) -> tuple[Term, ...]:
+    """Return terms with the same sum, in which all symbolic ones are one term, the first; it is left as it is if it is."""
+    symbolic = [term for term in terms if isinstance(term, SymbolicTerm)]
+    others = tuple(term for term in terms if not isinstance(term, SymbolicTerm))
+    if len(symbolic) == 1 and isinstance(symbolic[0], SymbolicSum):
+        return (symbolic[0], *others)
+    return (SymbolicSum(parts_of(symbolic)), *others) if symbolic else others

@@ -1,0 +1,254 @@
+"""What a physical effect offers to the sum of all: the protocol of a term.
+
+The energy of a scene is a sum of terms: stored energy of bodies, loads, fluids, contact, cohesion, or a user's own. A term
+gives its value, gradient and tangent at a configuration. Where its energy has kinks of the form ``k/2 min(0, g)^2``, it
+hands these over as one-sided constraints, which the solver treats exactly. A term may have a history, which moves when a
+step is accepted and at no other time; multipliers, which are updated at equilibria; and reports.
+
+A term of one's own derives from `Term` and defines `value`, `gradient` and `tangent`; all else has a default. An energy
+that NGSolve can express needs less: see `ngcell.mechanics.symbolic`.
+
+Signs: a gradient is minus the force that the term exerts on the unknowns. Gaps are positive where walls are apart.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from ngcell.mechanics.report import Check, Scales
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Found = TypeVar("Found")
+
+NO_ENTRIES: tuple[Index, Index] = (np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64))
+
+
+class Role(Enum):
+    """What the forces of a term are in a balance of forces."""
+
+    INTERNAL = "stored in bodies"
+    LOAD = "acts on bodies from outside, or from what they hold"
+    INTERACTION = "acts between bodies"
+
+
+@dataclass(frozen=True, eq=False)
+class Configuration:
+    """Where all bodies are.
+
+    Attributes
+    ----------
+    displacement : array of float, shape (unknowns,)
+        Displacement of all unknowns, those of tied walls included [length].
+    positions : array of float, shape (dimension, scalar unknowns)
+        Deformed positions as unknowns [length]; not to be written to.
+    """
+
+    displacement: Array
+    positions: Array
+    _found: dict[int, Any] = field(default_factory=dict, repr=False)
+
+    def once(self, owner: object, find: Callable[[Array], Found]) -> Found:
+        """Return what `find` returns at these positions for its owner, computed once: the active set of a term."""
+        if id(owner) not in self._found:
+            self._found[id(owner)] = find(self.positions)
+        found: Found = self._found[id(owner)]
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class OneSided:
+    """One-sided quadratic terms ``penalty_i/2 min(0, gap_i)^2`` of an energy.
+
+    Attributes
+    ----------
+    gap : array of float, shape (n,)
+        What may not be negative [length].
+    jacobian : csr_array, shape (n, unknowns)
+        Derivatives of the gaps by the unknowns.
+    penalty : array of float, shape (n,)
+        Stiffness [stress * length**(dimension - 2)].
+    keys : array of int, shape (n,)
+        What tells the same constraint in different configurations; each occurs once.
+    """
+
+    gap: Array
+    jacobian: sparse.csr_array
+    penalty: Array
+    keys: Index
+
+    @property
+    def gradient(self) -> Array:
+        """Gradient of their energy, shape (unknowns,)."""
+        return np.asarray(self.jacobian.T @ (self.penalty * np.minimum(self.gap, 0)))
+
+
+@dataclass(frozen=True)
+class Drive:
+    """How a term that is driven by the load factor takes in work.
+
+    Attributes
+    ----------
+    share : float
+        Share of the full load that acts.
+    potential : float
+        Potential at the full load [energy]; it falls as the load does work.
+    rate : float
+        Work for each unit of the share that is taken in besides [energy].
+    """
+
+    share: float
+    potential: float
+    rate: float
+
+
+@dataclass(frozen=True, eq=False)
+class Interaction:
+    """Forces between bodies, one entry a pair of points.
+
+    Attributes
+    ----------
+    bodies, facets : array of int, shape (n, 2)
+        The two bodies, and the facets of their walls.
+    force : array of float, shape (n, dimension)
+        Force on the first body [stress * length**(dimension - 1)].
+    normal : array of float, shape (n,)
+        Normal contact force that presses the two together, >= 0.
+    """
+
+    bodies: Index
+    facets: Index
+    force: Array
+    normal: Array
+
+
+class Term(ABC):  # noqa: B024, B027 - what most terms have none of does nothing by default
+    """One physical effect; every method but `value` and `gradient` has a default."""
+
+    @property
+    def role(self) -> Role:
+        """What its forces are in a balance of forces."""
+        return Role.INTERNAL
+
+    @abstractmethod
+    def value(self, at: Configuration) -> float:
+        """Return the energy, constraints included; NaN where it is not defined."""
+
+    @abstractmethod
+    def gradient(self, at: Configuration) -> Array:
+        """Return the gradient without that of constraints, shape (unknowns,)."""
+
+    def tangent(self, at: Configuration) -> Array:
+        """Return the second derivative on `pattern`, without that of constraints."""
+        return np.zeros(0)
+
+    @property
+    def pattern(self) -> tuple[Index, Index]:
+        """Rows and columns of the lower triangle that `tangent` fills, repetitions allowed."""
+        return NO_ENTRIES
+
+    def curvature(self, at: Configuration) -> sparse.coo_array | None:
+        """Return the part of the tangent whose pattern moves, shape (unknowns, unknowns)."""
+        return None
+
+    def constraints(self, at: Configuration) -> OneSided | None:
+        """Return the one-sided quadratic part of the energy."""
+        return None
+
+    def gaps(self, at: Configuration) -> tuple[Index, Array] | None:
+        """Return keys and gaps of `constraints`, without their derivatives."""
+        found = self.constraints(at)
+        return None if found is None else (found.keys, found.gap)
+
+    def couplings(self, at: Configuration, margin: float) -> tuple[Index, Index]:
+        """Return rows and columns of scalar unknowns that `curvature` and `constraints` could couple while nothing moves
+        by more than half of `margin` [length]."""
+        return NO_ENTRIES
+
+    def unstored(self, at: Configuration) -> float:
+        """Return the part of the value that is not stored in bodies: potentials, and what was dissipated."""
+        return 0.0
+
+    @property
+    def incompressibility(self) -> float:
+        """Largest ratio of bulk to shear modulus in the term; 0 where it has none."""
+        return 0.0
+
+    def softened(self, ratio: float) -> Term:
+        """Return the term with bulk moduli of at most `ratio` times the shear moduli, for a continuation in these."""
+        return self
+
+    def apply(self, load_factor: float) -> None:
+        """Act as at this load factor from now on."""
+
+    def drive(self, at: Configuration, load_factor: float) -> Drive | None:
+        """Return how the term takes in work; None for a term that no load factor drives."""
+        return None
+
+    @property
+    def has_history(self) -> bool:
+        """Whether the term remembers accepted steps."""
+        return False
+
+    def accept(self, at: Configuration) -> None:
+        """Keep what an accepted configuration leaves for good."""
+
+    def reset(self) -> None:
+        """Forget all accepted steps."""
+
+    def memory(self) -> dict[str, NDArray[Any]]:
+        """Return what the term remembers, by name."""
+        return {}
+
+    def recall(self, memory: Mapping[str, NDArray[Any]]) -> None:
+        """Take up again what `memory` returned."""
+
+    def start_from(self, before: Term, at: Configuration) -> None:
+        """Start from what the corresponding term of the continuation stage before knows at its equilibrium."""
+
+    def update_multipliers(self, at: Configuration, stored: Callable[[], float]) -> tuple[float, float]:
+        """Update multipliers, or a penalty that is too soft, at an equilibrium whose stored energy `stored` returns.
+
+        Returns by how much conditions that the energy only approaches were missed: a length, and the energy that stands
+        for it; zeros where there are none.
+        """
+        return 0.0, 0.0
+
+    def increase_penalty(self) -> None:
+        """Make `update_multipliers` miss less each time, at the price of an energy that is harder to minimise."""
+
+    def interaction(self, at: Configuration) -> Interaction | None:
+        """Return the forces that the term exerts between bodies."""
+        return None
+
+    def contact_pressures(self, at: Configuration, points: Any) -> Array | None:
+        """Return the nominal contact pressure [stress] at points of walls; None where the term has none."""
+        return None
+
+    def overlap(self, at: Configuration) -> float | None:
+        """Return the deepest overlap that the term sees [length]; None where it does not keep bodies apart."""
+        return None
+
+    def stress(self, gradient: Array, element: Index) -> Array | None:
+        """Return the part of the Cauchy stress [stress], shape (n, 3, 3), of deformation gradients in elements."""
+        return None
+
+    def cell_fields(self, at: Configuration, load_factor: float) -> dict[str, Array]:
+        """Return fields with one value a body, by name."""
+        return {}
+
+    def columns(self, at: Configuration) -> dict[str, float]:
+        """Return numbers for the table of steps, by name of the column."""
+        return {}
+
+    def checks(self, at: Configuration, scales: Scales) -> tuple[Check, ...]:
+        """Return what the certificate is to judge besides the balance of forces."""
+        return ()

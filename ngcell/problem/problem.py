@@ -1,0 +1,227 @@
+"""A problem: the sum of terms over the unknowns of a scene, as the solver asks for it.
+
+The sum knows no term by name and no load path. It adds up values, gradients and tangents, keeps one-sided constraints
+apart for the solver, and passes on to all terms what concerns their history and their multipliers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from functools import cached_property, reduce
+from operator import add
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from ngcell.mechanics.space import DisplacementSpace
+from ngcell.mechanics.symbolic import fused, parts_of
+from ngcell.mechanics.term import Configuration, Drive, OneSided, Role, Term
+from ngcell.problem.rotation import finite_rotation_update
+from ngcell.problem.state import Linearisation, State
+from ngcell.problem.tie import Tie
+from ngcell.problem.unknowns import OwnUnknowns, TiedUnknowns, UnknownMap
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+class Problem:
+    """Bodies and all that acts in and between them.
+
+    Parameters
+    ----------
+    space : DisplacementSpace
+        The unknowns.
+    terms : sequence of Term
+        What the energy consists of. Problems that share symbolic terms share their form if these were fused before.
+    fixed : array of bool, shape (dimension, size)
+        Unknowns with prescribed displacement.
+    tie : Tie, optional
+        Ties between walls; by default bodies move by themselves.
+    """
+
+    def __init__(
+        self, space: DisplacementSpace, terms: Sequence[Term], fixed: NDArray[np.bool_], *, tie: Tie | None = None
+    ) -> None:
+        self.space, self._sum = space, fused(terms)
+        self.terms: tuple[Term, ...] = parts_of(self._sum)
+        self.fixed = fixed.ravel()
+        self.unknowns: UnknownMap = OwnUnknowns(self.fixed) if tie is None else TiedUnknowns(tie, space, self.fixed)
+        self.free = self.unknowns.free
+
+    @property
+    def dimension(self) -> int:
+        """Space dimension."""
+        return self.space.dimension
+
+    @property
+    def part(self) -> Index:
+        """Body of each unknown, shape (unknowns,)."""
+        return np.tile(self.space.body_of_unknown, self.dimension)
+
+    @cached_property
+    def mass(self) -> sparse.csr_array:
+        """Mass matrix, shape (unknowns, unknowns); the metric of the solver's proximal term."""
+        mass = sparse.block_diag([self.space.scalar_mass] * self.dimension, format="csr")
+        return self.unknowns.fold_matrix(mass)
+
+    def configuration(self, displacement: Array) -> Configuration:
+        """Return where all bodies are with this displacement."""
+        return self.space.configuration(self.unknowns.expand(displacement))
+
+    def expand(self, displacement: Array) -> Array:
+        """Return the displacement of all unknowns, those of tied walls included."""
+        return self.unknowns.expand(displacement)
+
+    def at(self, displacement: Array) -> State:
+        """Return the state with this displacement."""
+        at, energy = self.configuration(displacement), 0.0
+        for term in self._sum:
+            energy += term.value(at)
+            if not np.isfinite(energy):
+                break  # elements are inverted: pairs that would be found there mean nothing
+        return State(displacement, energy, at)
+
+    def move(self, displacement: Array, step: Array) -> Array:
+        """Return the displacement after a step in which bodies that float rotate instead of stretching.
+
+        Added up, a step that rotates a body also blows it up, by the square of the angle; a cell that rolls in its
+        place would pay for that with the stiffness of its walls, and only tiny steps would lower the energy. So the
+        mean rotation of each body without support is applied as a rotation. To first order this is the step.
+        """
+        moved = displacement + step
+        if not self.unknowns.lets_bodies_part or len(self._supported) == self.space.bodies.body_count:
+            return moved
+        at, by = self.configuration(displacement).positions, step.reshape(self.dimension, -1)
+        return moved + finite_rotation_update(at, by, self.space.one, self.space.body_of_unknown, self._supported)
+
+    @cached_property
+    def _supported(self) -> Index:
+        """Bodies with a support."""
+        supported = self.fixed.reshape(self.dimension, -1).any(0)
+        return np.unique(self.space.body_of_unknown[supported])
+
+    def gradient(self, state: State) -> Array:
+        """Return the gradient of the whole energy, shape (unknowns,)."""
+        return self.unknowns.gather(_total(_whole_gradient(term, state.at) for term in self._sum))
+
+    def force(self, at: Configuration, role: Role) -> Array:
+        """Return the sum of the gradients of all terms with a role, on all unknowns, shape (unknowns,)."""
+        found = [_whole_gradient(term, at) for term in self.terms if term.role is role]
+        return _total(found) if found else np.zeros_like(at.displacement)
+
+    def linearise(self, state: State) -> Linearisation:
+        """Return the second-order model about a state."""
+        at = state.at
+        gradient = self.unknowns.gather(_total(term.gradient(at) for term in self._sum))
+        _ = self.pattern
+        stiffness = np.concatenate([term.tangent(at) for term in self._sum])
+        if self._factors is not None:
+            stiffness = stiffness * self._factors
+        curved = [curvature for term in self._sum if (curvature := term.curvature(at)) is not None]
+        return Linearisation(gradient, stiffness, reduce(add, curved) if curved else None, self._constraints(at))
+
+    def _constraints(self, at: Configuration) -> OneSided:
+        """Return the constraints of all terms; keys of different terms differ."""
+        found = [constraints for term in self._sum if (constraints := term.constraints(at)) is not None]
+        if len(found) == 1:
+            return found[0]
+        nothing = np.zeros(0)
+        rows = [sparse.csr_array((0, self.space.unknowns)), *(part.jacobian for part in found)]
+        keys = [len(found) * part.keys + number for number, part in enumerate(found)]
+        return OneSided(
+            np.concatenate([nothing, *(part.gap for part in found)]),
+            sparse.vstack(rows, format="csr"),
+            np.concatenate([nothing, *(part.penalty for part in found)]),
+            np.concatenate([nothing.astype(np.int64), *keys]),
+        )
+
+    def gaps(self, state: State) -> tuple[Index, Array]:
+        """Return the keys of the constraints of a state, increasing, and their gaps."""
+        found = [gaps for term in self._sum if (gaps := term.gaps(state.at)) is not None]
+        if not found:
+            return np.zeros(0, dtype=np.int64), np.zeros(0)
+        keys = np.concatenate([len(found) * part[0] + number for number, part in enumerate(found)])
+        order = np.argsort(keys, kind="stable")
+        return keys[order], np.concatenate([gap for _, gap in found])[order]
+
+    @cached_property
+    def pattern(self) -> tuple[Index, Index]:
+        """Rows and columns of the lower triangle that `Linearisation.stiffness` fills, with repetitions."""
+        parts = [term.pattern for term in self._sum]
+        row, column = (np.concatenate(part) for part in zip(*parts, strict=True))
+        row, column, self._factors = self.unknowns.fold(row, column)
+        return row, column
+
+    def couplings(self, state: State, margin: float) -> tuple[Index, Index]:
+        """Return rows and columns of the lower triangle that moving parts of the tangent could fill while nothing moves
+        by more than half of `margin` [length]."""
+        parts = [term.couplings(state.at, margin) for term in self._sum]
+        row, column = (np.concatenate(part) for part in zip(*parts, strict=True))
+        first = [axis * self.space.size for axis in range(self.dimension)]
+        rows = np.concatenate([row + i for i in first for _ in first])
+        columns = np.concatenate([column + j for _ in first for j in first])
+        lower = rows >= columns
+        return rows[lower], columns[lower]
+
+    def unstored(self, at: Configuration) -> float:
+        """Return what the energy holds without its being stored in bodies."""
+        return sum(term.unstored(at) for term in self._sum)
+
+    def drives(self, displacement: Array, load_factor: float) -> tuple[Drive, ...]:
+        """Return how driven terms take in work, one after the other."""
+        at = self.configuration(displacement)
+        found = (term.drive(at, load_factor) for term in self.terms)
+        return tuple(drive for drive in found if drive is not None)
+
+    def apply(self, load_factor: float) -> None:
+        """Let all terms act as at this load factor."""
+        for term in self.terms:
+            term.apply(load_factor)
+
+    def start_from(self, before: Problem, state: State) -> None:
+        """Start from what the problem of the continuation stage before knows at its equilibrium."""
+        for mine, theirs in zip(self.terms, before.terms, strict=True):
+            mine.start_from(theirs, state.at)
+
+    def update_multipliers(self, state: State) -> tuple[float, float]:
+        """Let terms update their multipliers at an equilibrium; return the largest length by which conditions were
+        missed, and the energy that stands for it."""
+
+        def stored() -> float:
+            return state.energy - self.unstored(state.at)
+
+        # The last terms first: contact is judged by the stored energy, which fluids change when they update.
+        found = [term.update_multipliers(state.at, stored) for term in reversed(self.terms)]
+        return max(missed for missed, _ in found), sum(energy for _, energy in found)
+
+    def increase_penalty(self) -> None:
+        """Let multipliers be updated in larger steps."""
+        for term in self.terms:
+            term.increase_penalty()
+
+    @property
+    def has_history(self) -> bool:
+        """Whether any term remembers accepted steps."""
+        return any(term.has_history for term in self.terms)
+
+    def accept(self, displacement: Array) -> None:
+        """Let terms remember an accepted state."""
+        at = self.configuration(displacement)
+        for term in self.terms:
+            term.accept(at)
+
+    def reset(self) -> None:
+        """Let terms forget all accepted states."""
+        for term in self.terms:
+            term.reset()
+
+
+def _whole_gradient(term: Term, at: Configuration) -> Array:
+    constraints = term.constraints(at)
+    return term.gradient(at) if constraints is None else term.gradient(at) + constraints.gradient
+
+
+def _total(parts: Iterable[Array]) -> Array:
+    return reduce(add, parts)

@@ -1,0 +1,68 @@
+"""What the terms of a problem report, put together; no term is asked for by name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ngcell.mechanics.report import Check, Scales
+from ngcell.mechanics.term import Configuration, Interaction, Term
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+def interaction(terms: Sequence[Term], at: Configuration) -> Interaction:
+    """Return the forces of all terms between bodies."""
+    found = [one for term in terms if (one := term.interaction(at)) is not None]
+    nobody, dimension = np.zeros((0, 2), dtype=np.int64), len(at.positions)
+    return Interaction(
+        np.concatenate([nobody, *(one.bodies for one in found)]),
+        np.concatenate([nobody, *(one.facets for one in found)]),
+        np.concatenate([np.zeros((0, dimension)), *(one.force for one in found)]),
+        np.concatenate([np.zeros(0), *(one.normal for one in found)]),
+    )
+
+
+def contact_pressures(terms: Sequence[Term], at: Configuration, points: object) -> Array | None:
+    """Return the nominal contact pressure at points of walls [stress]; None where nothing presses."""
+    found = [pressure for term in terms if (pressure := term.contact_pressures(at, points)) is not None]
+    return sum(found[1:], start=found[0]) if found else None
+
+
+def deepest_overlap(terms: Sequence[Term], at: Configuration) -> float | None:
+    """Return the deepest overlap that terms see [length]; None where none keeps bodies apart."""
+    found = [overlap for term in terms if (overlap := term.overlap(at)) is not None]
+    return max(found) if found else None
+
+
+def stress(terms: Sequence[Term], gradient: Array, element: Index) -> Array:
+    """Return the Cauchy stress [stress], shape (n, 3, 3), of deformation gradients in elements; NaN where J <= 0."""
+    total = np.zeros_like(gradient)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for term in terms:
+            part = term.stress(gradient, element)
+            total = total if part is None else total + part
+    return total
+
+
+def cell_fields(terms: Sequence[Term], at: Configuration, load_factor: float) -> dict[str, Array]:
+    """Return fields with one value a body, by name; later terms replace those of earlier ones."""
+    return {name: field for term in terms for name, field in term.cell_fields(at, load_factor).items()}
+
+
+def columns(terms: Sequence[Term], at: Configuration) -> dict[str, float]:
+    """Return the numbers that terms have for the table of steps."""
+    return {name: number for term in terms for name, number in term.columns(at).items()}
+
+
+def checks(terms: Sequence[Term], at: Configuration, scales: Scales) -> tuple[Check, ...]:
+    """Return the checks of all terms."""
+    return tuple(check for term in terms for check in term.checks(at, scales))
+
+
+def memory(terms: Sequence[Term]) -> dict[str, NDArray[np.generic]]:
+    """Return what terms remember, by name."""
+    return {name: values for term in terms for name, values in term.memory().items()}

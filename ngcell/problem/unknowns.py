@@ -1,0 +1,134 @@
+"""Which unknowns are solved for: all of them, or those that stand for the unknowns tied to them.
+
+A tie is a map of unknowns and no energy: unknowns keep their numbers, those of a tied wall follow a master,
+``u = sign u[master]``, and are not free.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from ngcell.mechanics.space import DisplacementSpace
+from ngcell.problem.tie import Tie
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+class UnknownMap(Protocol):
+    """How all unknowns follow from those that are solved for."""
+
+    free: NDArray[np.bool_]
+
+    @property
+    def lets_bodies_part(self) -> bool:
+        """Whether each body moves by itself."""
+
+    def expand(self, displacement: Array) -> Array:
+        """Return the displacement of all unknowns."""
+
+    def gather(self, force: Array) -> Array:
+        """Return forces on all unknowns as forces on those that are solved for."""
+
+    def reactions(self, force: Array) -> Array:
+        """Return the part of nodal forces that the supports bear, shape (unknowns,); zero elsewhere."""
+
+    def fold(self, row: Index, column: Index) -> tuple[Index, Index, Array | None]:
+        """Return where entries of a lower triangle go, and the factors they take with them; None where all are 1."""
+
+    def fold_matrix(self, matrix: sparse.csr_array) -> sparse.csr_array:
+        """Return a symmetric matrix in the unknowns that are solved for."""
+
+
+class OwnUnknowns:
+    """Every unknown stands for itself.
+
+    Parameters
+    ----------
+    fixed : array of bool, shape (unknowns,)
+        Unknowns with prescribed displacement.
+    """
+
+    lets_bodies_part = True
+
+    def __init__(self, fixed: NDArray[np.bool_]) -> None:
+        self._fixed, self.free = fixed, ~fixed
+
+    def expand(self, displacement: Array) -> Array:
+        """Return the displacement as it is."""
+        return displacement
+
+    def gather(self, force: Array) -> Array:
+        """Return the forces as they are."""
+        return force
+
+    def reactions(self, force: Array) -> Array:
+        """Return the forces on fixed unknowns."""
+        return np.where(self._fixed, force, 0.0)
+
+    def fold(self, row: Index, column: Index) -> tuple[Index, Index, Array | None]:
+        """Return the entries as they are."""
+        return np.maximum(row, column), np.minimum(row, column), None
+
+    def fold_matrix(self, matrix: sparse.csr_array) -> sparse.csr_array:
+        """Return the matrix as it is."""
+        return matrix
+
+
+class TiedUnknowns:
+    """Unknowns of tied walls follow their masters.
+
+    Parameters
+    ----------
+    tie : Tie
+        The tie of scalar unknowns.
+    space : DisplacementSpace
+        The unknowns.
+    fixed : array of bool, shape (unknowns,)
+        Unknowns with prescribed displacement.
+    """
+
+    lets_bodies_part = False
+
+    def __init__(self, tie: Tie, space: DisplacementSpace, fixed: NDArray[np.bool_]) -> None:
+        first = space.size * np.arange(space.dimension)
+        self._master = (tie.master + first[:, None]).ravel()
+        self._sign, self._fixed = np.tile(tie.sign, space.dimension), fixed
+        held = np.zeros(space.unknowns, dtype=bool)
+        np.logical_or.at(held, self._master, fixed)
+        self.free = ~held & (self._master == np.arange(space.unknowns))
+
+    def expand(self, displacement: Array) -> Array:
+        """Return the displacement with tied unknowns following their masters."""
+        return np.asarray(self._sign * displacement[self._master])
+
+    def gather(self, force: Array) -> Array:
+        """Return the sum of the forces on all unknowns that follow each master."""
+        return np.asarray(np.bincount(self._master, weights=self._sign * force, minlength=len(force)), dtype=float)
+
+    def reactions(self, force: Array) -> Array:
+        """Return the forces on fixed masters; that on a tied node is borne by one of its fixed members."""
+        reaction, member = np.zeros_like(force), np.flatnonzero(self._fixed)
+        held, first = np.unique(self._master[member], return_index=True)
+        reaction[member[first]] = self._sign[member[first]] * self.gather(force)[held]
+        return reaction
+
+    def fold(self, row: Index, column: Index) -> tuple[Index, Index, Array]:
+        """Return the entries of the masters.
+
+        An off-diagonal entry that is folded onto the diagonal stands for itself and its mirror image.
+        """
+        master, sign = self._master, self._sign
+        onto_diagonal = (row != column) & (master[row] == master[column])
+        signs = np.where(onto_diagonal, 2, 1) * (sign[row] * sign[column])
+        row, column = master[row], master[column]
+        return np.maximum(row, column), np.minimum(row, column), signs
+
+    def fold_matrix(self, matrix: sparse.csr_array) -> sparse.csr_array:
+        """Return the matrix in the masters."""
+        spread = sparse.csr_array((self._sign, (np.arange(len(self._sign)), self._master)), shape=matrix.shape)
+        return (spread.T @ matrix @ spread).tocsr()

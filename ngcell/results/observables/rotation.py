@@ -1,0 +1,39 @@
+"""How far cells have turned."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel
+
+from ngcell.results.quantities import View
+from ngcell.scene.section import SECTION
+
+
+class Rotation(BaseModel):
+    """Mean rotation of each cell in the plane [degree], positive anticlockwise: that of the polar decomposition of the
+    affine map that fits its displacement best."""
+
+    model_config = SECTION
+
+    kind: Literal["rotation"] = "rotation"
+
+    @property
+    def name(self) -> str:
+        """Name of the column and of the field."""
+        return "rotation"
+
+    def values(self, view: View) -> NDArray[np.float64]:
+        """Return the rotation of each body, shape (bodies,)."""
+        space = view.problem.space
+        body, one, count = space.body_of_unknown, space.one, space.bodies.body_count
+        number = np.bincount(body, one, count)
+        rest, moved = (
+            np.array([row - (np.bincount(body, row * one, count) / number)[body] for row in places[:2]]) * one
+            for places in (space.rest, view.positions)
+        )
+        along = np.bincount(body, (rest * moved).sum(0), count)
+        across = np.bincount(body, rest[0] * moved[1] - rest[1] * moved[0], count)
+        return np.degrees(np.arctan2(across, along))

@@ -1,0 +1,179 @@
+"""The solver's own numbers, as records that are handed down.
+
+None of them is meant for a case: a study shows that results do not depend on them. Lengths are shares of the longest step of
+the minimiser, energies and forces shares of what is at stake, weights of the proximal term multiples of the continuation's
+scale (`ngcell.solve.continuation`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class InnerOptions:
+    """Numbers of the inner piecewise quadratic problem.
+
+    Attributes
+    ----------
+    most_rounds : int
+        Most inner iterations; to stop early costs nothing but a less good step, which the outer iteration judges.
+    worthwhile_gain : float
+        The inner iteration ends when it gains less than this share of the decrease so far.
+    lost : float
+        Factor by which corrections of an inverse may enlarge round-off.
+    """
+
+    most_rounds: int = 8
+    worthwhile_gain: float = 0.02
+    lost: float = 1e6
+
+
+@dataclass(frozen=True)
+class MinimiserOptions:
+    """Numbers of the damped Newton method.
+
+    Attributes
+    ----------
+    poor, fair : float
+        Share of the foreseen decrease below which a step is refused, and above which the damping falls.
+    raise_by, nudge_by, lower_by : float
+        Factors of the damping after a refused, a poor and a good step.
+    felt, unfelt : float
+        Shares of a step's slope at which damping is felt along the step, and at which it is not.
+    round_off, no_decrement : float
+        Differences of energies below this share of the energy are round-off; so are such decrements.
+    stalled, unseen, idle : float, float, int
+        A decrement below the share `stalled` of the energy, or below `unseen` times its round-off at rest, is lost once as
+        many iterations as `idle` left it at its lowest: forces are round-off, or steps go to and fro at a kink of the
+        energy, as where walls end at a corner of three cells. Fewer do not tell: where cells roll, it rests before it
+        falls again.
+    touching : float
+        Gap below which a prediction keeps walls closed.
+    noise : float
+        Round-off of an energy at rest, as a share of the scale: there it is a difference of numbers of order one.
+    most_refusals, most_iterations : int
+        Limits of one step and of one minimisation. Where rows of cells slide past others at once, it takes some hundreds.
+    margin, wide_margin : float
+        Room for contacts to come: what a matrix must have, and what a new one gets. It fills the matrix little, and a new
+        one costs as much as ten factorisations.
+    most_direct : int
+        Most unknowns of three-dimensional scenes that are solved for by a direct solver; in the plane all are.
+    inner : InnerOptions
+        Those of the inner problem.
+    """
+
+    poor: float = 1e-4
+    fair: float = 0.25
+    raise_by: float = 8.0
+    nudge_by: float = 2.0
+    lower_by: float = 0.1
+    felt: float = 0.1
+    unfelt: float = 1e-4
+    round_off: float = 1e-13
+    no_decrement: float = 1e-18
+    stalled: float = 1e-12
+    unseen: float = 10.0
+    idle: int = 5
+    touching: float = 1e-6
+    noise: float = 1e-16
+    most_refusals: int = 25
+    most_iterations: int = 1000
+    margin: float = 2.0
+    wide_margin: float = 4.0
+    most_direct: int = 200_000
+    inner: InnerOptions = field(default_factory=InnerOptions)
+
+
+@dataclass(frozen=True)
+class ContinuationOptions:
+    """Numbers of the continuation in the weight of the proximal term.
+
+    Attributes
+    ----------
+    first, enough, last : float
+        Weight at the start, where the continuation may end if need be, and at its end.
+    first_overlapping : float
+        Weight at the start where walls overlap at rest: a larger one would hold them deep in each other, where the nearest
+        wall changes from point to point and the energy is not smooth.
+    narrowest, widest : float
+        Decades by which the weight falls from one minimisation to the next, at least and at most.
+    last_digit : float
+        Length to which the place is rounded where a continuation begins.
+    stiffen_at : float
+        Weight at which contact stiffens: walls have found their contact pairs there, and floating cells are still held well
+        enough to follow.
+    on_the_way, at_the_end : float
+        Decrement at which a minimisation on the way, and the last one, ends: shares of the proximal energy.
+    update : float
+        Decrement at which a minimisation between multiplier updates ends: share of the energy of missed conditions.
+    condition, most_updates : float, int
+        Length by which conditions may be missed at the end, and the most updates to get there.
+    cycling : int
+        Iterations of one minimisation that are active-set cycling, on the last stretch and between multiplier updates.
+    slow : float
+        Share of what was missed before above which an update was slow.
+    nothing : float
+        Share of the energy that is nothing: a decrement on the way, or what is missed where updates hardly help, as slivers
+        of walls bear nothing.
+    """
+
+    first: float = 1e3
+    enough: float = 1e-7
+    last: float = 1e-9
+    first_overlapping: float = 1.0
+    narrowest: float = 0.5
+    widest: float = 1.0
+    last_digit: float = 1e-6
+    stiffen_at: float = 1e-5
+    on_the_way: float = 0.01
+    at_the_end: float = 1e-10
+    update: float = 0.1
+    condition: float = 1e-12
+    most_updates: int = 40
+    cycling: int = 200
+    slow: float = 0.25
+    nothing: float = 1e-11
+
+
+@dataclass(frozen=True)
+class LoadSteppingOptions:
+    """Numbers of load stepping with a history.
+
+    Attributes
+    ----------
+    mismatch, longer : float
+        Largest mismatch of a step, as a share of the energy that it moves, and below which the next step may be longer.
+    quiet : float
+        Share of all energy so far that counts as moved even where less is.
+    snapped : float
+        Share of the energy moved that the forces at both ends leave unexplained and above which walls have snapped.
+    farthest : float
+        Longest way of the bodies along the straight line, in longest steps or ways of the supports.
+    """
+
+    mismatch: float = 1e-3
+    longer: float = 2e-4
+    quiet: float = 1e-4
+    snapped: float = 0.1
+    farthest: float = 2.0
+
+
+@dataclass(frozen=True)
+class SolverOptions:
+    """All of the solver's own numbers.
+
+    Attributes
+    ----------
+    minimiser, continuation, load_stepping
+        Those of each method.
+    direct_bulk, bulk_stage : float
+        Ratio of bulk to shear modulus up to which a law is followed as it is, and the factor between the stages beyond it:
+        there Newton's method crawls along the curved valley of constant volume.
+    """
+
+    minimiser: MinimiserOptions = field(default_factory=MinimiserOptions)
+    continuation: ContinuationOptions = field(default_factory=ContinuationOptions)
+    load_stepping: LoadSteppingOptions = field(default_factory=LoadSteppingOptions)
+    direct_bulk: float = 1e4
+    bulk_stage: float = 30.0

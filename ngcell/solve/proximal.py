@@ -1,0 +1,36 @@
+"""The proximal term: what holds floating bodies while a minimum is looked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ProximalTerm:
+    """The energy ``weight/2 |u - centre|^2`` in the mass norm (Rockafellar 1976, doi:10.1137/0314056).
+
+    Attributes
+    ----------
+    weight : float
+        Stiffness per reference volume [stress / length**2], >= 0.
+    centre : array of float, shape (unknowns,)
+        Where it vanishes [length].
+    """
+
+    weight: float
+    centre: Array
+
+    def value(self, displacement: Array, mass: sparse.csr_array) -> float:
+        """Return the energy."""
+        away = displacement - self.centre
+        return 0.5 * self.weight * float(away @ (mass @ away))
+
+    def gradient(self, displacement: Array, mass: sparse.csr_array) -> Array:
+        """Return its gradient, shape (unknowns,); its tangent is `weight` times the mass matrix."""
+        return np.asarray(self.weight * (mass @ (displacement - self.centre)))

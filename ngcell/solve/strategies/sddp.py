@@ -1,0 +1,117 @@
+"""SDDP, the successive deformation decomposition procedure.
+
+At each level the tissue first deforms as one tied solid, then its walls are released from that state, which is the centre
+of the continuation. Tied states follow each other; every release starts from its own tied state, so a level does not depend
+on the levels before it.
+
+References
+----------
+Mihai, Safar, Wyatt, Debonding of cellular structures with fibre-reinforced cell walls under shear deformation,
+J. Eng. Math. 2017.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel
+
+from ngcell.scene.section import SECTION, PositiveCount
+from ngcell.solve.continuation import until_conditions_hold
+from ngcell.solve.minimum import Minimum
+from ngcell.solve.outcome import Outcome
+from ngcell.solve.proximal import ProximalTerm
+from ngcell.solve.released import Released
+from ngcell.solve.step import MOST_HALVINGS, Accepted, Account, StepFailed, next_goal, spent
+from ngcell.solve.strategies.strategy import Progress, Task
+
+Array = NDArray[np.float64]
+
+
+class Sddp(BaseModel):
+    """Successive deformation decomposition: load the tied tissue first, then release its walls.
+
+    Parameters
+    ----------
+    steps : int, optional
+        Smallest number of load steps, >= 1; by default one for each level of the load.
+    """
+
+    model_config = SECTION
+
+    kind: Literal["sddp"] = "sddp"
+    steps: PositiveCount | None = None
+
+    def follow(self, task: Task, progress: Progress) -> Iterator[Accepted]:
+        """Yield the tied state of every step, and after it, at the levels, the released state."""
+        schedule = list(_schedule(task.steps, task.levels))
+        load = schedule[progress.accepted - 1][1] if progress.accepted else 0.0
+        displacement = progress.displacement.get("tied", task.motion.lifting(0.0))
+        for phase, target in schedule[progress.accepted :]:
+            if phase == "tied":
+                step = _tied_step(task, displacement, load, target)
+                load, displacement = target, step.minimum.state.displacement
+                yield step
+            else:
+                yield _released_step(task, displacement, target)
+
+
+def _released_step(task: Task, tied: Array, target: float) -> Accepted:
+    """Return the released state that a tied displacement leads to."""
+    released, problem = task.released, task.tied[-1].problem
+    start = problem.expand(tied)
+    centre = task.motion.lifting(target) if task.motion.has_lifting else start
+    released.problem.reset()
+    step = released.step(start, centre, target)
+    return _with_loss(released, step, problem.at(tied).energy) if released.problem.has_history else step
+
+
+def _with_loss(released: Released, step: Accepted, tied_energy: float) -> Accepted:
+    """Return a step from a tied state at held supports: what the energy fell by is lost."""
+    released.problem.accept(step.minimum.state.displacement)
+    lost = tied_energy - step.minimum.state.energy
+    gained = max(-lost, 0.0)
+    share = gained / max(abs(tied_energy), np.finfo(float).tiny)
+    return replace(step, account=Account(max(lost, 0.0), gained, share))
+
+
+def _schedule(steps: Sequence[float], levels: Sequence[float]) -> Iterator[tuple[str, float]]:
+    """Yield phase and load factor of every step."""
+    for target in steps:
+        yield "tied", target
+        if any(np.isclose(target, level) for level in levels):
+            yield "released", target
+
+
+def _tied_step(task: Task, displacement: Array, load: float, target: float) -> Accepted:
+    """Return the tied state at a load factor, from that at another; a step that fails is halved."""
+    tied, motion = task.tied, task.motion
+    before, reached, increment, halvings = spent(tied), load, target - load, 0
+    while True:
+        goal = next_goal(reached, increment, target)
+        start = displacement + motion.lifting(goal) - motion.lifting(reached)
+        minimum = _tied_minimum(task, motion.imposed(start, goal), ProximalTerm(0.0, start), goal)
+        if minimum.is_found:
+            displacement, reached = minimum.state.displacement, goal
+            if reached == target:
+                return Accepted("tied", target, minimum, spent(tied) - before)
+            continue
+        increment, halvings = increment / 2, halvings + 1
+        tied[-1].effort.cutbacks += 1
+        if halvings > MOST_HALVINGS:
+            raise StepFailed(Outcome.TIED_FAILED, goal)
+
+
+def _tied_minimum(task: Task, start: Array, proximal: ProximalTerm, load: float) -> Minimum:
+    """Return the minimum of the tied solid: stage by stage to the volume that is meant, then until conditions hold."""
+    for minimiser in task.tied:
+        minimiser.problem.apply(load)
+        minimum = minimiser.minimise(start, proximal)
+        if not minimum.is_found:
+            return minimum
+        start = minimum.state.displacement
+    return until_conditions_hold(task.tied[-1], minimum, task.released.longest_step, task.options.continuation)

@@ -1,0 +1,71 @@
+"""Load and contact together: no tied solid is computed.
+
+The centre of the continuation is the lifting of the load. Where the load determines none, the state before is the centre,
+and the load path is followed in increments.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel
+
+from ngcell.scene.section import SECTION, PositiveCount
+from ngcell.solve.released import Released
+from ngcell.solve.step import MOST_HALVINGS, Accepted, Motion, StepFailed, next_goal
+from ngcell.solve.strategies.strategy import Progress, Task
+
+Array = NDArray[np.float64]
+
+
+class SingleStep(BaseModel):
+    """Load and contact together.
+
+    Parameters
+    ----------
+    steps : int, optional
+        Smallest number of load steps, >= 1; by default one for each level of the load.
+    """
+
+    model_config = SECTION
+
+    #: Bonds that break on the way would not be followed.
+    goes_with_history: ClassVar[bool] = False
+
+    kind: Literal["single-step"] = "single-step"
+    steps: PositiveCount | None = None
+
+    def follow(self, task: Task, progress: Progress) -> Iterator[Accepted]:
+        """Yield the equilibrium with contact of every step."""
+        motion, done = task.motion, progress.accepted
+        load = task.steps[done - 1] if done else 0.0
+        displacement = progress.displacement.get("released", motion.lifting(0.0))
+        for target in task.steps[done:]:
+            if motion.has_lifting:
+                centre = motion.lifting(target)
+                step = task.released.step(centre, centre, target)
+            else:
+                step = _incremental_step(task.released, motion, displacement, load, target)
+            load, displacement = target, step.minimum.state.displacement
+            yield step
+
+
+def _incremental_step(released: Released, motion: Motion, displacement: Array, load: float, target: float) -> Accepted:
+    before, reached, increment, halvings = released.effort, load, target - load, 0
+    while True:
+        goal = next_goal(reached, increment, target)
+        centre = released.predict(displacement, motion.imposed(displacement, goal))
+        try:
+            step = released.step(centre, centre, goal, may_stall=False)
+        except StepFailed:
+            increment, halvings = increment / 2, halvings + 1
+            released.apart.effort.cutbacks += 1
+            if halvings > MOST_HALVINGS:
+                raise
+            continue
+        displacement, reached = step.minimum.state.displacement, goal
+        if reached == target:
+            return Accepted("released", target, step.minimum, released.effort - before)

@@ -1,0 +1,73 @@
+"""The matrix of a minimiser, and where the parts of a second-order model stand in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ngcell.solve.iterative import IterativeMatrix
+from ngcell.solve.linear import SymmetricMatrix
+from ngcell.solve.one_sided import Matrix
+from ngcell.solve.problem import Problem
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """A matrix with a lasting pattern.
+
+    Attributes
+    ----------
+    matrix : Matrix
+        The matrix.
+    bulk, metric : array of int
+        Where the entries of the problem's pattern and of its mass matrix stand among the values.
+    metric_values : array of float
+        The entries of the mass matrix.
+    """
+
+    matrix: Matrix
+    bulk: Index
+    metric: Index
+    metric_values: Array
+
+    def of_pattern(self, stiffness: Array) -> Array:
+        """Return the values of a matrix from those on the problem's pattern."""
+        return np.asarray(np.bincount(self.bulk, weights=stiffness, minlength=self.matrix.entry_count), dtype=float)
+
+    def with_metric(self, values: Array, weight: float) -> Array:
+        """Return the values plus a multiple of the mass matrix."""
+        summed = values.copy()
+        summed[self.metric] += weight * self.metric_values
+        return summed
+
+
+def direct_system(problem: Problem, near: tuple[Index, Index]) -> System:
+    """Return a matrix that is factorised, with room for these entries besides."""
+    bulk, metric, values = _entries(problem)
+    rows, columns = (np.concatenate(part) for part in zip(bulk, metric, near, strict=True))
+    return _located(SymmetricMatrix(len(problem.free), problem.free, rows, columns), bulk, metric, values)
+
+
+def iterative_system(problem: Problem) -> System:
+    """Return a matrix whose systems are solved by iterations, and which needs no room for contacts."""
+    bulk, metric, values = _entries(problem)
+    rows, columns = (np.concatenate(part) for part in zip(bulk, metric, strict=True))
+    matrix = IterativeMatrix(len(problem.free), problem.free, rows, columns, problem.part)
+    return _located(matrix, bulk, metric, values)
+
+
+def _located(matrix: Matrix, bulk: tuple[Index, Index], metric: tuple[Index, Index], values: Array) -> System:
+    return System(matrix, matrix.locate(*bulk), matrix.locate(*metric), values)
+
+
+def _entries(problem: Problem) -> tuple[tuple[Index, Index], tuple[Index, Index], Array]:
+    """Return the entries of the pattern and of the mass matrix, lower triangles, and the values of the latter."""
+    mass = problem.mass.tocoo()
+    row, column = (index.astype(np.int64) for index in mass.coords)
+    lower = row >= column
+    return problem.pattern, (row[lower], column[lower]), mass.data[lower]
