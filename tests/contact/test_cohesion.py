@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from ngcell.contact.methods.cohesion import Bonds, ExponentialLaw, bond_walls
+from ngcell.contact.cohesion.bonds import Bonds, bond_walls
+from ngcell.contact.cohesion.exponential import Cohesion
 from ngcell.contact.methods.terms import CohesionTerm, ContactTerm
 from ngcell.problem.problem import Problem
 from tests.contact.derivatives import assert_derivatives, smooth_step

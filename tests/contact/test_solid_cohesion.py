@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from ngcell.contact.methods.cohesion import Bonds, ExponentialLaw, bond_walls
+from ngcell.contact.cohesion.bonds import Bonds, bond_walls
+from ngcell.contact.cohesion.exponential import Cohesion
 from ngcell.contact.methods.terms import CohesionTerm
 from ngcell.contact.surface.walls import find_walls
 from ngcell.geometry.lattice import hexagonal_lattice
