@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
 from ngcell.contact.methods.protocol import ContactSet
 from ngcell.contact.methods.terms import ContactTerm
-from ngcell.contact.surface.walls import Walls, find_walls
+from ngcell.contact.surface.find import find_surface
+from ngcell.contact.surface.surface import Surface
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.lattice import Lattice, hexagonal_lattice
 from ngcell.geometry.rings import ring_mesh
 from ngcell.mechanics.bulk import BodyEnergy
-from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.problem.problem import Problem

@@ -19,9 +19,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 RUN = {".py": 6, ".toml": 3}
-TRIVIAL = re.compile(
-    r"[\s()\[\]{},:]*|-+|Parameters|Attributes|Returns|Yields|Raises|Notes|References|Examples|\"{3}"
-)
+TRIVIAL = re.compile(r"[\s()\[\]{},:]*|-+|Parameters|Attributes|Returns|Yields|Raises|Notes|References|Examples|\"{3}")
 
 #: What is measured together, and the largest share of its lines that may be repeated.
 LIMITS = {"ngcell": (["ngcell"], 0.005), "tests and tools": (["tests", "tools"], 0.01), "cases": (["cases"], 0.03)}

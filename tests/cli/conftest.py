@@ -19,7 +19,7 @@ from ngcell.scene import Case, resolved_toml
 def accepted_step(step: int, load_factor: float, *, certified: bool = True) -> StepRecord:
     return StepRecord(
         step=step,
-        phase="contact",
+        phase="released",
         load_factor=load_factor,
         plate_displacement=load_factor,
         largest_gap=0.01 * step,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ngcell.contact.methods.cohesion import Bonds
+from ngcell.contact.cohesion.bonds import Bonds
 from ngcell.problem.problem import Problem
 from tests.tissues import contact_set, dense_stiffness
 

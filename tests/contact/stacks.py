@@ -11,10 +11,11 @@ from netgen import occ
 from ngcell.contact.methods.mortar import MortarContact
 from ngcell.contact.methods.penalty import penalty_stiffness
 from ngcell.contact.methods.terms import ContactTerm
-from ngcell.contact.surface.walls import Walls, find_walls
+from ngcell.contact.surface.find import find_surface
+from ngcell.contact.surface.surface import Surface
 from ngcell.geometry.shapes import mesh_shapes
 from ngcell.mechanics.bulk import BodyEnergy
-from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.problem.problem import Problem
 

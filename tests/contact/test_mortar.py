@@ -168,7 +168,7 @@ def test_forces_and_moments_on_the_two_bodies_cancel(order, name):
     assert_balanced(pair.problem, state)
     on_right = pair.tissue.space.body_of_unknown == 1
     force = pair.problem.force(state.at, Role.INTERACTION).reshape(2, -1) * pair.tissue.space.one
-    assert force[0, on_right].sum() < 0  # the gradient falls towards the right: the right cell is pushed that way
+    assert force[0, on_right].sum() < 0  # the gradient falls towards the right: the right cell is driven that way
 
 
 @pytest.mark.parametrize("order", ORDERS)
@@ -177,7 +177,7 @@ def test_forces_and_moments_cancel_on_walls_whose_meshes_do_not_match(order, mak
     stack: Stack = make((0.3, 0.17), order=order)
     contact = stack.contact
     random = np.random.default_rng(4)
-    contact.multipliers[:] = contact.stiffness[0] * PUSH * random.uniform(0, 1, len(contact.multipliers))
+    contact.multipliers[:] = contact.stiffness[0] * PRESSURE * random.uniform(0, 1, len(contact.multipliers))
     state = stack.problem.at(stack.bent(0.02, 3) + stack.upper_moved((0.05, -0.01)))
     assert_balanced(stack.problem, state)
 
@@ -209,7 +209,7 @@ def test_updated_pressures_are_what_the_penalty_terms_push_with(order):
     changed = (applied - contact.pressure) / contact.stiffness
     assert gap == pytest.approx(np.abs(changed).max(), rel=1e-12)
     assert energy == pytest.approx((contact.stiffness * contact.weight * changed**2).sum() / 2, rel=1e-12)
-    # As penalty terms they push as hard again, with the overlaps that are still there.
+    # Penalty terms add as much again, with the overlaps that are still there.
     harder = pair.problem.force(pair.problem.at(state.displacement).at, Role.INTERACTION)
     assert np.abs(harder).sum() > np.abs(force).sum()
 

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from ngcell.contact.cohesion.bonds import Bonds, bond_walls
 from ngcell.contact.cohesion.exponential import Cohesion
 from ngcell.contact.methods.terms import CohesionTerm
-from ngcell.contact.surface.walls import find_walls
+from ngcell.contact.surface.find import find_surface
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.prisms import prism_mesh
 from ngcell.geometry.rings import ring_section
@@ -45,7 +45,7 @@ def bonded(bodies: Pair) -> tuple[Problem, Bonds]:
     ],
 )
 def test_forces_and_tangent_are_derivatives_of_one_energy(make, order, translation, before):
-    """Walls apart and pressed, bonds that open further and that have been opened more."""
+    """Surface apart and pressed, bonds that open further and that have been opened more."""
     bodies = make(order)
     problem, bonds = bonded(bodies)
     at, way = bodies.moved(translation, 0.03, 3), bodies.bent(1.0, 8)

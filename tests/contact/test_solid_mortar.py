@@ -9,7 +9,7 @@ from ngcell.contact.methods.mortar import MortarContact
 from ngcell.contact.methods.multipliers import SHARP, MultiplierSpace, constrained_points
 from ngcell.contact.methods.penalty import penalty_stiffness
 from ngcell.contact.methods.terms import ContactTerm
-from ngcell.contact.surface.walls import Walls
+from ngcell.contact.surface.surface import Surface
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.prisms import prism_mesh
 from ngcell.geometry.rings import ring_section
@@ -28,7 +28,7 @@ def prisms(order: int, edges: int = 2) -> Pair:
 
 
 def pressed(bodies: Pair, normal_force: float) -> Problem:
-    """Contact with multipliers that push, each of its own."""
+    """Contact with multipliers above 0, each of its own."""
     stiffness = penalty_stiffness(bodies.walls, np.full(2, LAW.plane_strain_modulus), 10.0)
     contact = MortarContact(bodies.walls, stiffness, 0.4)
     size = contact.space.size

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ngcell.problem.problem import Problem
-from ngcell.problem.tie import coincident_edges
+from ngcell.problem.tie import coincident_facets
 from ngcell.solve.minimum import Ending
 from ngcell.solve.proximal import ProximalTerm
 from tests.tissues import SmallTissue, dense_stiffness, small_tissue

@@ -50,7 +50,7 @@ def test_a_killed_run_is_recognised_and_readable(tmp_path):
             for step in (1, 2):
                 numbers = [0.0] * 11
                 folder.accept(
-                    StepRecord(step, "contact", step / 2, step / 10, *numbers, 1, 1, 0.1, True),
+                    StepRecord(step, "released", step / 2, step / 10, *numbers, 1, 1, 0.1, True),
                     [WallRecord(step, step / 2, 0, 1, 0.1, 0.05, 0.0, 1.0, True, 0, 0.2)],
                     Snapshot(step, step / 2, step / 10, ring_bodies(0.1), facing_walls(0.1)),
                 )

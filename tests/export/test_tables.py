@@ -45,7 +45,7 @@ def test_floats_come_back_exactly(tmp_path, make_record):
     assert (row["smallest_gap"], row["step"], row["phase"], row["certified"]) == (
         "nan",
         "1",
-        "contact",
+        "released",
         "True",
     )
 

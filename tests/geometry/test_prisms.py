@@ -59,8 +59,9 @@ def test_closed_prisms_have_end_walls_and_a_closed_lumen(filled):
     flux = ngsolve.specialcf.normal(3) * ngsolve.CF((ngsolve.x, ngsolve.y, ngsolve.z))
     total = walls + (4 * 0.7 * inside if filled else 0)
     assert ngsolve.Integrate(flux, bodies.mesh, ngsolve.BND) == pytest.approx(3 * total, rel=1e-12)
-    upper = ngsolve.Integrate(ngsolve.CF(1), bodies.mesh.Boundaries("upper-end"), ngsolve.BND)
-    assert upper == pytest.approx(4 * whole)
+    assert ngsolve.Integrate(ngsolve.CF(1), bodies.mesh.Boundaries("upper-end"), ngsolve.BND) == pytest.approx(
+        4 * whole
+    )
     if not filled:
         lumen = ngsolve.Integrate(flux, bodies.mesh.Boundaries("lumen"), ngsolve.BND)
         assert lumen == pytest.approx(-3 * 4 * 0.7 * inside, rel=1e-12)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ngcell.mechanics.bulk import BodyEnergy
-from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from tests.mechanics.test_hyperelastic import stored_energy
 from tests.tissues import LAW, small_tissue
 

@@ -10,8 +10,9 @@ from scipy.optimize import brentq
 from ngcell import BodyCase, simulate
 from ngcell.geometry.rings import along_walls
 from ngcell.mechanics.bulk import BodyEnergy
-from ngcell.mechanics.fibres import FibreLaw
-from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.laws.fibres import ExponentialFibres, QuadraticFibres
+from ngcell.mechanics.laws.law import FibreLaw
+from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.symbolic import EnergyForm
 from tests.tissues import SmallTissue, small_tissue
 
@@ -27,7 +28,7 @@ STEPS = np.array([4e-3, 2e-3, 1e-3])
 def reinforced(tissue: SmallTissue, fibres: FibreLaw | None, direction: np.ndarray | None = None) -> EnergyForm:
     count = len(tissue.bodies.body_of_element)
     everywhere = along_walls(tissue.bodies.mesh) if direction is None else np.tile(direction, (count, 1))
-    law = MooneyRivlinLaw(C1, C2, KAPPA, fibres)
+    law = MooneyRivlin(c1=C1, c2=C2, bulk_modulus=KAPPA, fibres=fibres)
     return BodyEnergy(tissue.space, [law] * tissue.bodies.body_count, everywhere).form
 
 

@@ -9,7 +9,7 @@ from ngcell.geometry.filling import lumen_quads
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.rings import ring_layers, ring_mesh
 from ngcell.mechanics.bulk import BodyEnergy, InclusionEnergy
-from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.lumens.pressure import cell_pressures
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.symbolic import EnergyForm, SymbolicSum

@@ -11,8 +11,9 @@ from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.prisms import along_and_up, prism_mesh
 from ngcell.geometry.rings import ring_section
 from ngcell.mechanics.bulk import BodyEnergy
-from ngcell.mechanics.fibres import FibreLaw
-from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.laws.fibres import ExponentialFibres, QuadraticFibres
+from ngcell.mechanics.laws.law import FibreLaw
+from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.symbolic import EnergyForm
 
@@ -34,7 +35,7 @@ def cell(end_wall: float | None = None, layers: int = 1) -> BodyMesh:
 
 
 def reinforced(space: DisplacementSpace, fibres: FibreLaw | None) -> EnergyForm:
-    law = MooneyRivlinLaw(C1, C2, KAPPA, fibres)
+    law = MooneyRivlin(c1=C1, c2=C2, bulk_modulus=KAPPA, fibres=fibres)
     return BodyEnergy(space, [law] * space.bodies.body_count, along_and_up(space.bodies)).form
 
 

@@ -14,7 +14,7 @@ from ngcell.errors import CaseError
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.shapes import mesh_shapes
 from ngcell.mechanics.bulk import BodyEnergy
-from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support

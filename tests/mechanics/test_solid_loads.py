@@ -57,7 +57,9 @@ def test_forces_and_tangent_are_derivatives_of_the_potential(order):
     at, way, step = smooth(space, motion, 0.1, 1), smooth(space, motion, 1.0, 2), 1e-4
     rise = (loads.potential(at + step * way) - loads.potential(at - step * way)) / (2 * step)
     assert rise == pytest.approx(loads.gradient(space.configuration(at)) @ way, rel=1e-7)
-    change = (loads.gradient(space.configuration(at + step * way)) - loads.gradient(space.configuration(at - step * way))) / (2 * step)
+    change = (
+        loads.gradient(space.configuration(at + step * way)) - loads.gradient(space.configuration(at - step * way))
+    ) / (2 * step)
     free = ~motion.fixed.ravel()
     bent = loads.form.tangent(at) @ way
     np.testing.assert_allclose(change[free], bent[free], atol=1e-7 * np.abs(bent).max())

@@ -11,12 +11,11 @@ import numpy as np
 from netgen import occ
 
 from ngcell.contact.methods.protocol import ContactSet
-from ngcell.contact.methods.stages import contact_stages
 from ngcell.contact.methods.terms import ContactTerm
-from ngcell.contact.surface.walls import find_walls
+from ngcell.contact.surface.find import find_surface
 from ngcell.geometry.shapes import mesh_shapes
 from ngcell.mechanics.bulk import BodyEnergy
-from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
@@ -102,7 +101,7 @@ class Equilibrium:
         """Which of the contact points lie in a box at rest."""
         walls = self.rig.walls
         pairs = self.contact_set.kinematics.pairs
-        point = walls.places(pairs.edge, pairs.here, walls.rest)
+        point = walls.places(pairs.primary, pairs.primary_xi, walls.rest)
         return ((point >= low) & (point <= high)).all(1)
 
     def vertices(self, boundary: str) -> np.ndarray:
@@ -152,13 +151,13 @@ class Rig:
         self.bulk = BodyEnergy(self.space, self.laws)
         loads = [BoundaryLoads(self.space, scene.loads, self.motion)] if scene.loads else []
         self.terms = fused([self.bulk, *loads])
-        self.walls = find_walls(self.bodies, self.space.scalar, self.space.rest)
+        self.walls = find_surface(self.bodies, self.space.scalar, self.space.rest)
         self.stages = self._stages()
         self.problem = self.stages[-1]
 
     def _stages(self) -> list[Problem]:
         moduli = np.array([law.plane_strain_modulus for law in self.laws])
-        methods = contact_stages(self.scene.contact, self.walls, moduli, reach=self.bodies.thickness)
+        methods = self.scene.contact.stages(self.walls, moduli, reach=self.bodies.thickness)
         return [Problem(self.space, (*self.terms, ContactTerm(method)), self.motion.fixed) for method in methods]
 
     def _minimiser(self, problem: Problem) -> Minimiser:

@@ -9,7 +9,7 @@ from netgen.meshing import Mesh
 
 from ngcell.geometry.bodies import FILLING, BodyMesh
 from ngcell.mechanics.bulk import InclusionEnergy
-from ngcell.mechanics.hyperelastic import MooneyRivlinLaw
+from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support

@@ -47,9 +47,9 @@ def test_pressure_in_confined_cells_of_any_wall_moves_nothing_and_comes_back_as_
     )
     simulation = Simulation(case)
     (step,) = simulation.accepted_steps()
-    edge = np.unique(simulation.setup.facing.edge)
+    edge = np.unique(simulation.setup.facing.facet)
     places = np.linspace(0.01, 0.99, 7)
-    points = WallPoints(np.repeat(edge, 7), np.tile(places, len(edge)), np.zeros(7 * len(edge)))
+    points = SurfacePoints(np.repeat(edge, 7), np.tile(places, len(edge)), np.zeros(7 * len(edge)))
     found = simulation.contact.contact_pressures(simulation.problem.configuration(step.displacement), points)
     np.testing.assert_allclose(found, pressure, rtol=1e-3)
     assert np.abs(step.displacement).max() < 1e-3

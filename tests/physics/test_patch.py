@@ -19,7 +19,7 @@ from ngcell.scene.bodies import Body, BodyScene, BodySupport
 from tests.physics.rig import Equilibrium, Rig, rubber
 from tests.physics.test_stacked_blocks import KAPPA, compressed
 from tests.tissues import contact_term
-from tools.radial import RadialSolid
+from tools.references.radial import RadialSolid
 
 #: Compressible enough to be compressed without widening.
 SPONGE = 5.0

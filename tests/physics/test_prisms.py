@@ -104,7 +104,9 @@ def test_ends_that_tilt_bend_the_axis_to_an_arc_of_its_own_length():
     axis = rest[:, upper_end].mean(1) - [0, 0, height]
     expected = turned - Rotation.from_euler("zy", [30, 40], degrees=True).apply(axis) + centre[-1]
     np.testing.assert_allclose(moved[:, upper_end].T, expected, atol=1e-12)
-    assert np.isfinite(simulation.problem.terms[0].value(simulation.space.configuration(simulation.motion.lifting(1.0))))
+    assert np.isfinite(
+        simulation.problem.terms[0].value(simulation.space.configuration(simulation.motion.lifting(1.0)))
+    )
 
 
 @pytest.mark.parametrize("turned", [{"twist": 90.0}, {"bend": 120.0}, {"twist": -40.0, "bend": 60.0}])

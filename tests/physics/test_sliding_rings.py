@@ -64,7 +64,7 @@ def test_energy_does_not_jump_where_points_slide_from_edge_to_edge(passage):
     second = rig.space.one * (rig.space.body_of_unknown == 1)
 
     def energy(along: float) -> float:
-        moved = np.array([0.4 + along, 0.08])[:, None] * lifting
+        moved = np.array([0.4 + along, 0.08])[:, None] * second
         return rig.problem.at(moved.ravel()).energy
 
     energies = np.array([energy(along) for along in np.linspace(0.0, 0.1, 401)])

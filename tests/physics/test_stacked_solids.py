@@ -35,7 +35,7 @@ def held(boundary: str, translation: float = 0.0) -> BodySupport:
 
 @pytest.mark.parametrize(("order", "stiffness"), [(1, 1.0), (1, 10.0), (2, 1.0)])
 def test_pressure_of_stacked_blocks_is_uniform_and_that_of_the_free_sides(order, stiffness):
-    """Walls overlap by the pressure over the stiffness; what they overlap by, blocks are compressed less."""
+    """Walls overlap by the pressure over the stiffness; blocks are compressed less by as much."""
     step = pressed((0.35, 0.5), order, Penalty(stiffness=stiffness))
     assert step.record.certified
     exact = -(C1 + C2 / STRETCH) * (STRETCH**2 - 1 / STRETCH)

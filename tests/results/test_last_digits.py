@@ -9,11 +9,11 @@ from ngcell.results.checks import _last_digits
 
 def share_of_last_digits() -> float:
     simulation = Simulation(read_case("shear-empty", ("tissue.rows=2", "tissue.cols=2")))
-    assembly = simulation.released
+    problem = simulation.problem
     # Pressed together by a hundredth, so that walls that touch are strained but closed penalty terms act, too.
     place = -0.01 * simulation.space.rest * np.array([[1.0], [0.0]])
-    state = assembly.at(place.ravel() + 1e-6 * np.sin(np.arange(place.size)))
-    return float(np.linalg.norm(_last_digits(assembly, state)) / np.linalg.norm(assembly.gradient(state)))
+    state = problem.at(place.ravel() + 1e-6 * np.sin(np.arange(place.size)))
+    return float(np.linalg.norm(_last_digits(problem, state)) / np.linalg.norm(problem.gradient(state)))
 
 
 def test_last_digits_are_nothing_beside_the_limit_of_the_residual():

@@ -7,10 +7,14 @@ import pytest
 from scipy import sparse
 
 from ngcell.build.simulation import Simulation
-from ngcell.solve import minimise
+from ngcell.solve import system
 from ngcell.solve.iterative import RESIDUAL, IterativeMatrix
 from ngcell.solve.linear import SymmetricMatrix
+from ngcell.solve.options import MinimiserOptions, SolverOptions
 from tests.prisms import case
+
+#: Whatever the number of unknowns, solids are solved by iterations.
+ITERATIVE = SolverOptions(minimiser=MinimiserOptions(most_direct=0))
 
 
 class Bodies:
@@ -93,9 +97,8 @@ def test_prisms_are_those_of_the_direct_solver(monkeypatch):
     scene = case(0.4, tissue={"rows": 2, "cols": 2, "wall": 0.1, "height": 0.4})
     direct = list(Simulation(scene).accepted_steps())
     made: list[object] = []
-    monkeypatch.setattr(minimise, "MOST_DIRECT", 0)
-    monkeypatch.setattr(minimise, "SymmetricMatrix", lambda *_: made.append(None))
-    iterative = list(Simulation(scene).accepted_steps())
+    monkeypatch.setattr(system, "SymmetricMatrix", lambda *_: made.append(None))
+    iterative = list(Simulation(scene, options=ITERATIVE).accepted_steps())
     assert not made
     for one, two in zip(direct, iterative, strict=True):
         assert one.record.certified and two.record.certified
@@ -114,11 +117,10 @@ def test_penalty_terms_that_pull_at_more_than_there_is_room_for_are_solved_for_a
     assert away @ bodies.full @ away < 100 * RESIDUAL**2 * (bodies.solution @ bodies.full @ bodies.solution)
 
 
-def test_planar_scenes_are_never_solved_by_iterations(monkeypatch):
-    monkeypatch.setattr(minimise, "MOST_DIRECT", 0)
-    simulation = Simulation(case(None))
-    assert not minimise.is_iterative(simulation.released)
-    assert minimise.is_iterative(Simulation(case(0.4)).released)
-    minimiser = simulation._released().minimisers[0]
+def test_planar_scenes_are_never_solved_by_iterations():
+    simulation = Simulation(case(None), options=ITERATIVE)
+    minimiser = simulation.released.minimisers[0]
+    assert not minimiser.is_iterative
+    assert Simulation(case(0.4), options=ITERATIVE).released.minimisers[0].is_iterative
     minimiser._make_room(minimiser.problem.at(np.zeros(simulation.space.unknowns)))
-    assert isinstance(minimiser._matrix, SymmetricMatrix)
+    assert isinstance(minimiser._system.matrix, SymmetricMatrix)

@@ -9,7 +9,9 @@ import pytest
 from scipy import sparse
 
 from ngcell.solve.minimise import Minimiser
-from ngcell.solve.minimum import Ending, Minimum, ProximalTerm
+from ngcell.solve.minimum import Ending, Minimum
+from ngcell.solve.options import MinimiserOptions
+from ngcell.solve.proximal import ProximalTerm
 
 NOWHERE = ProximalTerm(0.0, np.zeros(3))
 
@@ -78,8 +80,10 @@ class Landscape:
         return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
 
 
-def descend(problem: Landscape, start: tuple, proximal: ProximalTerm = NOWHERE, **limits) -> Minimum:
-    minimiser = Minimiser(problem, limits.pop("longest_step", 0.5), energy_scale=1.0, **limits)
+def descend(
+    problem: Landscape, start: tuple, proximal: ProximalTerm = NOWHERE, *, longest_step: float = 0.5, **numbers: int
+) -> Minimum:
+    minimiser = Minimiser(problem, longest_step, energy_scale=1.0, options=MinimiserOptions(**numbers))
     return minimiser.minimise(np.array(start, dtype=float), proximal)
 
 

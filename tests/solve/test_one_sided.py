@@ -6,10 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from ngcell.solve.one_sided import OneSidedModel, _Quadratics, _root_of_slope, minimise_one_sided
 from scipy import optimize, sparse
 
 from ngcell.solve.linear import SymmetricMatrix
+from ngcell.solve.one_sided import OneSidedModel, _Quadratics, _root_of_slope, minimise_one_sided
+from ngcell.solve.options import InnerOptions
 
 
 def random_model(
@@ -42,7 +43,7 @@ def model_at(model: OneSidedModel, step: np.ndarray) -> float:
 @pytest.mark.parametrize("seed", range(8))
 def test_the_step_is_nearly_the_minimum_found_by_brute_force(seed, stiff):
     model, matrix = random_model(seed, stiff)
-    step, change, rounds = minimise_one_sided(model, matrix)
+    step, change, rounds = minimise_one_sided(model, matrix, InnerOptions())
 
     def value(free: np.ndarray) -> float:
         return model_at(model, np.append(free, 0.0))
@@ -59,7 +60,7 @@ def test_the_step_is_nearly_the_minimum_found_by_brute_force(seed, stiff):
 
 def test_without_penalty_terms_the_step_is_newtons():
     model, matrix = random_model(3, 1.0, penalty_terms=0)
-    step, change, rounds = minimise_one_sided(model, matrix)
+    step, change, rounds = minimise_one_sided(model, matrix, InnerOptions())
     np.testing.assert_allclose(matrix.multiply(model.stiffness, step)[:-1], -model.gradient[:-1], atol=1e-10)
     assert change == pytest.approx(model.gradient @ step / 2, rel=1e-9)
     assert rounds == 1
@@ -71,7 +72,7 @@ def test_penalty_terms_that_the_newton_step_would_close_are_foreseen():
     matrix = SymmetricMatrix(1, free, np.array([0]), np.array([0]))
     jacobian = sparse.csr_array(np.array([[-1.0]]))
     model = OneSidedModel(np.array([-1.0]), np.ones(1), np.array([0.1]), jacobian, np.array([99.0]), free)
-    step, change, _ = minimise_one_sided(model, matrix)
+    step, change, _ = minimise_one_sided(model, matrix, InnerOptions())
     assert step[0] == pytest.approx((1 + 9.9) / 100, rel=1e-12)
     assert model.full_gradient[0] == -1.0
     assert change == pytest.approx(model_at(model, step), rel=1e-12)
@@ -144,7 +145,7 @@ def test_the_change_of_a_tiny_step_is_not_drowned_by_the_overlap():
         np.array([1000.0]),
         free,
     )
-    step, change, _ = minimise_one_sided(model, matrix)
+    step, change, _ = minimise_one_sided(model, matrix, InnerOptions())
     assert step[0] == pytest.approx(rest / 1001, rel=1e-3, abs=0)
     assert change == pytest.approx(-(rest**2) / 2002, rel=1e-3, abs=0)
 
@@ -154,7 +155,7 @@ def test_minima_with_other_penalty_terms_are_the_same_whether_factorised_or_corr
     """Penalty terms close and open in turn; whatever is factorised anew, each minimum is that of its own quadratic."""
     monkeypatch.setattr(SymmetricMatrix, "few", few)
     model, matrix = random_model(5, 1e3)
-    quadratics = _Quadratics(model, matrix)
+    quadratics = _Quadratics(model, matrix, InnerOptions().lost)
     sets = [[0, 1], [0, 1, 2], [0, 1], [1, 2], [], [3, 4, 5], [0, 3, 4, 5]]
     for closed in (np.array(numbers, dtype=np.int64) for numbers in sets):
         alone = replace(model, gap=model.gap[closed], jacobian=model.jacobian[closed], penalty=model.penalty[closed])
@@ -173,7 +174,7 @@ def test_a_penalty_term_that_alone_held_a_body_is_not_opened_by_a_correction(mon
     matrix = SymmetricMatrix(1, free, zero, zero)
     jacobian = sparse.csr_array(np.array([[-1.0]]))
     model = OneSidedModel(np.array([-0.3]), np.array([1 / 3]), np.array([-0.1]), jacobian, np.array([1e9]), free)
-    quadratics = _Quadratics(model, matrix)
+    quadratics = _Quadratics(model, matrix, InnerOptions().lost)
     quadratics.minimum(zero)
     assert quadratics.minimum(zero[:0])[0] == pytest.approx(0.9, rel=1e-14)
     assert quadratics.factorisations == 2

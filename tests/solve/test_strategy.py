@@ -10,18 +10,26 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ngcell.problem.assembly import Assembly
-from ngcell.solve.continuation import CYCLING, ENOUGH, Continuation
+from ngcell.problem.problem import Problem
+from ngcell.solve.continuation import Continuation
 from ngcell.solve.effort import Effort
-from ngcell.solve.minimum import Ending, Minimum, ProximalTerm
+from ngcell.solve.minimum import Ending, Minimum
+from ngcell.solve.options import ContinuationOptions
 from ngcell.solve.outcome import Outcome
+from ngcell.solve.proximal import ProximalTerm
 from ngcell.solve.released import Released
-from ngcell.solve.sddp import tied_then_released
-from ngcell.solve.single_step import single_step
 from ngcell.solve.step import MOST_HALVINGS, Accepted, StepFailed
-from tests.tissues import LAW, SmallTissue, small_tissue
+from ngcell.solve.strategies.sddp import Sddp
+from ngcell.solve.strategies.strategy import Progress, Task
+from tests.tissues import LAW, SmallTissue, contact_set, single_step, small_tissue
 
-PATH = Continuation(scale=LAW.shear_modulus)
+USUAL = ContinuationOptions()
+PATH = Continuation(scale=LAW.shear_modulus, options=USUAL)
+
+
+def path_with(**numbers: float) -> Continuation:
+    """The usual path with other numbers."""
+    return replace(PATH, options=replace(USUAL, **numbers))
 
 
 @cache
@@ -30,16 +38,18 @@ def sheared() -> SmallTissue:
 
 
 def released(tissue: SmallTissue, path: Continuation = PATH) -> Released:
-    apart = tissue.minimiser(Assembly(tissue.space, tissue.bulk, tissue.motion.fixed))
+    apart = tissue.minimiser(Problem(tissue.space, [tissue.bulk], tissue.motion.fixed))
     return Released(apart, (tissue.minimiser(tissue.released),), path)
 
 
 def by_sddp(tissue: SmallTissue, path: Continuation = PATH, *, steps: int = 1) -> list[Accepted]:
     loads = [step / steps for step in range(1, steps + 1)]
-    accepted_steps = tied_then_released(
-        [tissue.minimiser(tissue.tied)], released(tissue, path), tissue.motion, steps=loads, levels=[1.0]
-    )
-    return list(accepted_steps)
+    return list(Sddp().follow(task_of(tissue, path, steps=loads, levels=[1.0]), Progress()))
+
+
+def task_of(tissue: SmallTissue, path: Continuation = PATH, *, steps: list[float], levels: list[float]) -> Task:
+    problems = SimpleNamespace(tied=(tissue.minimiser(tissue.tied),), released=released(tissue, path))
+    return Task(problems, tissue.motion, steps, levels)
 
 
 def by_single_step(tissue: SmallTissue, path: Continuation = PATH, *, steps: int = 1) -> list[Accepted]:
@@ -81,16 +91,14 @@ def test_the_result_does_not_depend_on_the_number_of_load_steps(accepted_steps):
     assert_same(sheared(), accepted_steps(sheared(), steps=3)[-1], reference())
 
 
-@pytest.mark.parametrize(
-    "path", [replace(PATH, first=100.0), replace(PATH, narrowest=0.1), replace(PATH, narrowest=0.25)], ids=str
-)
-def test_the_result_does_not_depend_on_how_finely_the_continuation_path_is_followed(path):
-    assert_same(sheared(), by_single_step(sheared(), path)[-1], reference())
+@pytest.mark.parametrize("numbers", [{"first": 100.0}, {"narrowest": 0.1}, {"narrowest": 0.25}], ids=str)
+def test_the_result_does_not_depend_on_how_finely_the_continuation_path_is_followed(numbers):
+    assert_same(sheared(), by_single_step(sheared(), path_with(**numbers))[-1], reference())
 
 
 def test_what_the_last_proximal_term_holds_is_little_and_shrinks_with_it():
     tissue = sheared()
-    weaker = by_single_step(tissue, replace(PATH, last=PATH.last / 10))[-1]
+    weaker = by_single_step(tissue, path_with(last=USUAL.last / 10))[-1]
     minimiser = tissue.minimiser(tissue.released)
     ends = [(step.minimum.state.displacement, step.minimum.proximal) for step in (reference(), weaker)]
     held = [minimiser.proximal_energy(*end) for end in ends]
@@ -102,20 +110,18 @@ def test_the_equilibrium_balances_and_pushes_back():
     tissue, step = sheared(), reference()
     state = step.minimum.state
     force = tissue.released.gradient(state)
-    proximal = step.minimum.proximal.weight * (
-        tissue.released.mass @ (state.displacement - step.minimum.proximal.centre)
-    )
+    proximal = step.minimum.proximal.gradient(state.displacement, tissue.released.mass)
     assert np.abs((force + proximal)[tissue.released.free]).max() < 1e-8
     low, high = (plate_force(tissue, step, name) for name in ("low", "high"))
     assert high[0] > 0
     np.testing.assert_allclose(low, -high, atol=2e-3 * np.linalg.norm(high))
-    overlap = -state.contact.kinematics.gaps(tissue.positions(state.displacement)).min()
+    overlap = -contact_set(tissue.released, state).kinematics.gaps(state.positions).min()
     assert 0 < overlap < 0.05 * tissue.bodies.thickness
 
 
 def test_tied_states_come_first_and_store_more_energy():
     tied, contact = by_sddp(sheared())
-    assert (tied.phase, contact.phase) == ("tied", "contact")
+    assert (tied.phase, contact.phase) == ("tied", "released")
     assert tied.load_factor == contact.load_factor == 1.0
     assert tied.minimum.state.energy > 1.5 * contact.minimum.state.energy
     assert tied.effort.iterations > 0 and contact.effort.iterations > 0
@@ -123,40 +129,34 @@ def test_tied_states_come_first_and_store_more_energy():
 
 def test_levels_are_released_and_the_steps_between_them_are_not():
     tissue = small_tissue(1, 2, edges=1, order=1, prescribed_displacement=(0.02, 0.0))
-    accepted_steps = tied_then_released(
-        [tissue.minimiser(tissue.tied)],
-        released(tissue),
-        tissue.motion,
-        steps=[0.25, 0.5, 0.75, 1.0],
-        levels=[0.5, 1.0],
-    )
+    accepted_steps = Sddp().follow(task_of(tissue, steps=[0.25, 0.5, 0.75, 1.0], levels=[0.5, 1.0]), Progress())
     assert [(step.phase, step.load_factor) for step in accepted_steps] == [
         ("tied", 0.25),
         ("tied", 0.5),
-        ("contact", 0.5),
+        ("released", 0.5),
         ("tied", 0.75),
         ("tied", 1.0),
-        ("contact", 1.0),
+        ("released", 1.0),
     ]
 
 
 @pytest.mark.parametrize(("first", "last"), [(10.0, 1e-7), (1.0, 1e-3), (5.0, 5.0)])
-def test_strengths_fall_from_first_to_last(first, last):
+def test_weights_fall_from_first_to_last(first, last):
     fake = FakeMinimiser(stride=np.inf)
-    path = Continuation(3.0, first, last)
+    path = Continuation(3.0, ContinuationOptions(first=first, last=last))
     path.select(FakeMinimiser(stride=np.inf), (fake,), np.zeros(1), np.zeros(1))
-    strengths = np.array(fake.strengths)
-    assert strengths[0] == pytest.approx(3 * first) and strengths[-1] == pytest.approx(3 * last)
-    decades = -np.diff(np.log10(strengths))
+    weights = np.array(fake.weights)
+    assert weights[0] == pytest.approx(3 * first) and weights[-1] == pytest.approx(3 * last)
+    decades = -np.diff(np.log10(weights))
     assert (decades >= -1e-12).all() and (decades <= 1 + 1e-9).all()
 
 
 def test_only_the_last_stretch_is_cut_short_where_it_cycles():
     fake = FakeMinimiser(stride=np.inf)
     Continuation(1.0).select(FakeMinimiser(stride=np.inf), (fake,), np.zeros(1), np.zeros(1))
-    strengths, limits = np.array(fake.strengths), np.array(fake.limits)
-    assert (limits[strengths < ENOUGH / 2] == CYCLING).all() and (strengths < ENOUGH / 2).any()
-    assert (limits[strengths > 2 * ENOUGH] == None).all()  # noqa: E711
+    weights, limits = np.array(fake.weights), np.array(fake.limits)
+    assert (limits[weights < USUAL.enough / 2] == USUAL.cycling).all() and (weights < USUAL.enough / 2).any()
+    assert (limits[weights > 2 * USUAL.enough] == None).all()  # noqa: E711
 
 
 @dataclass
@@ -168,14 +168,16 @@ class FakeMinimiser:
     longest_step: float = 1e-3
     reached: float = 0.0
     asked: list[float] = field(default_factory=list)
-    strengths: list[float] = field(default_factory=list)
+    weights: list[float] = field(default_factory=list)
     limits: list[int | None] = field(default_factory=list)
 
     problem = SimpleNamespace(
         free=np.ones(1, dtype=bool),
         expand=lambda displacement: displacement,
         update_multipliers=lambda state: (0.0, 0.0),
-        follow=lambda other, state: None,
+        start_from=lambda before, state: None,
+        apply=lambda load_factor: None,
+        has_history=False,
     )
 
     def minimise(
@@ -183,7 +185,7 @@ class FakeMinimiser:
     ) -> Minimum:
         goal = float(start[0])
         self.asked.append(goal)
-        self.strengths.append(proximal.weight)
+        self.weights.append(proximal.weight)
         self.limits.append(most)
         self.effort.iterations += 1
         found = goal - self.reached <= self.stride + 1e-12
@@ -215,13 +217,13 @@ class FakeMotion:
 
 
 def tied_steps(fake: FakeMinimiser) -> Iterator[Accepted]:
-    released = SimpleNamespace(loads=None, longest_step=1.0)
-    return tied_then_released([fake], released, FakeMotion(), steps=[0.5, 1.0], levels=[])
+    problems = SimpleNamespace(tied=(fake,), released=SimpleNamespace(longest_step=1.0))
+    return Sddp().follow(Task(problems, FakeMotion(), [0.5, 1.0], []), Progress())
 
 
 def incremental_steps(fake: FakeMinimiser) -> Iterator[Accepted]:
     apart = FakeMinimiser(stride=np.inf)
-    path = Released(apart, (fake,), Continuation(1.0, first=1.0, last=1.0))
+    path = Released(apart, (fake,), Continuation(1.0, ContinuationOptions(first=1.0, last=1.0)))
     return single_step(path, FakeMotion(has_lifting=False), steps=[0.5, 1.0])
 
 
