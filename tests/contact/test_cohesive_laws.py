@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from ngcell.problem.assembly import Assembly
 from scipy.integrate import quad
 
 from ngcell.contact.cohesion.bonds import bond_walls
 from ngcell.contact.cohesion.exponential import Cohesion
 from ngcell.contact.cohesion.law import CohesiveLaw
+from ngcell.contact.methods.terms import CohesionTerm, ContactTerm
+from ngcell.problem.problem import Problem
 from tests.contact.derivatives import assert_derivatives, smooth_step
 from tests.tissues import small_tissue
 
@@ -70,7 +71,8 @@ def test_secant_slope_and_work_belong_to_the_traction(law):
 def test_forces_and_tangent_are_derivatives_of_one_energy(law, opening, before):
     tissue = small_tissue(1, 2)
     bonds = bond_walls(tissue.walls, law)
-    problem = Assembly(tissue.space, tissue.bulk, tissue.motion.fixed, contact=tissue.contact, bonds=bonds)
+    terms = [tissue.bulk, ContactTerm(tissue.contact), CohesionTerm(bonds)]
+    problem = Problem(tissue.space, terms, tissue.motion.fixed)
     at = tissue.smooth(0.001, 3) + tissue.body_translation(1, np.array([opening, 0.3 * opening]))
     bonds.largest = before * bonds.openings(tissue.positions(at))
     way = tissue.smooth(1.0, 8)
