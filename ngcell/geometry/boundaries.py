@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.errors import GeometryError
-from ngcell.scene.bodies import PLAIN_NAME
+from ngcell.scene.entries import PLAIN_NAME
 
 Array = NDArray[np.float64]
 Elements = NDArray[np.void]

@@ -6,7 +6,7 @@ other.
 
 Which boundaries may touch another body follows from how the bodies enclose each other. The *outline* of a body is
 a wall. A *hole* is a wall if another body lies in it; a hole that encloses no body is none: what is outside cannot
-get in. Supports do not matter: a body may be pushed against a boundary that is held. Boundaries that share a name
+get in. Supports do not matter: a body may be pressed against a boundary that is held. Boundaries that share a name
 are walls together.
 
 Edges without a name are given one, ``<body>_outline`` or ``<body>_hole<number>``, with holes counted in the order
@@ -31,7 +31,7 @@ from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.boundaries import are_apart, name_boundaries, outlines
 from ngcell.geometry.near import components
 from ngcell.geometry.sizes import sizes
-from ngcell.scene.bodies import check_unique_names
+from ngcell.scene.entries import check_unique_names
 from ngcell.scene.mesh import Refinement
 
 Array = NDArray[np.float64]

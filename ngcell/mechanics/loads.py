@@ -23,7 +23,7 @@ from ngcell.mechanics.swept import swept_by
 from ngcell.mechanics.symbolic import Integrals, SymbolicTerm
 from ngcell.mechanics.term import Configuration, Drive, Role
 from ngcell.scene import BodyForce, Pressure, Traction
-from ngcell.scene.bodies import check_dimension
+from ngcell.scene.entries import check_dimension
 
 Array = NDArray[np.float64]
 Load = Pressure | Traction | BodyForce

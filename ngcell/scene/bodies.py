@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
-import re
-from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
-from math import isfinite
-from types import UnionType
-from typing import Any, get_args
+from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
 from ngcell.errors import CaseError
+from ngcell.scene.entries import (
+    NUMBERS,
+    check_dimension,
+    check_name,
+    check_numbers,
+    check_unique_names,
+    check_vector,
+    entries_of,
+    is_number,
+    sequence_of,
+)
 from ngcell.scene.levels import Levels
 from ngcell.scene.mesh import Refinement
 from ngcell.scene.registry import checked, default_of
@@ -24,10 +31,6 @@ Gradient = tuple[Numbers, ...]
 #: powers, and what NGSolve has for them, such as `ngsolve.sin`.
 Vector = Numbers | Callable[..., tuple[Any, ...]]
 
-#: Names become parts of region names, where other signs would have a meaning of their own.
-PLAIN_NAME = re.compile(r"[A-Za-z0-9_-]+")
-
-_NUMBERS = "two finite numbers, or three for solids"
 _LEVELS: TypeAdapter[int | tuple[float, ...]] = TypeAdapter(Levels, config={"defer_build": True})
 
 
@@ -54,9 +57,9 @@ class Body:
     untouched: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        _check_name(self.name, "body name")
-        for edge in _sequence(self.untouched, str, f"body {self.name}: untouched"):
-            _check_name(edge, f"body {self.name}: untouched edge")
+        check_name(self.name, "body name")
+        for edge in sequence_of(self.untouched, str, f"body {self.name}: untouched"):
+            check_name(edge, f"body {self.name}: untouched edge")
         checked("material", self.material, f"body {self.name}: material")
 
 
@@ -83,17 +86,17 @@ class BodySupport:
     components: tuple[bool, ...] = (True, True)
 
     def __post_init__(self) -> None:
-        _check_name(self.boundary, "boundary of a support")
+        check_name(self.boundary, "boundary of a support")
         place = f"support {self.boundary}"
         allowed = "two rows of two finite numbers, or three of three for solids"
-        rows = _entries(self.gradient, f"{place}: gradient", allowed)
+        rows = entries_of(self.gradient, f"{place}: gradient", allowed)
         for row in rows:
-            _check_numbers(row, f"{place}: gradient", allowed)
+            check_numbers(row, f"{place}: gradient", allowed)
             if len(row) != len(rows):
                 raise CaseError(f"{place}: gradient is {self.gradient!r}; allowed: {allowed}")
-        _check_numbers(self.translation, f"{place}: translation", _NUMBERS)
+        check_numbers(self.translation, f"{place}: translation", NUMBERS)
         allowed = "two booleans, or three for solids, at least one of them True"
-        components = _entries(self.components, f"{place}: components", allowed)
+        components = entries_of(self.components, f"{place}: components", allowed)
         if not all(isinstance(entry, bool) for entry in components) or not any(components):
             raise CaseError(f"{place}: components is {self.components!r}; allowed: {allowed}")
 
@@ -141,8 +144,8 @@ class Pressure:
     value: float
 
     def __post_init__(self) -> None:
-        _check_name(self.boundary, "boundary of a pressure")
-        if not _is_number(self.value):
+        check_name(self.boundary, "boundary of a pressure")
+        if not is_number(self.value):
             raise CaseError(f"pressure on {self.boundary}: value is {self.value!r}; allowed: a finite number")
 
 
@@ -162,8 +165,8 @@ class Traction:
     vector: Vector
 
     def __post_init__(self) -> None:
-        _check_name(self.boundary, "boundary of a traction")
-        _check_vector(self.vector, f"traction on {self.boundary}: vector")
+        check_name(self.boundary, "boundary of a traction")
+        check_vector(self.vector, f"traction on {self.boundary}: vector")
 
 
 @dataclass(frozen=True)
@@ -182,8 +185,8 @@ class BodyForce:
     vector: Vector
 
     def __post_init__(self) -> None:
-        _check_name(self.body, "body of a force")
-        _check_vector(self.vector, f"force on {self.body}: vector")
+        check_name(self.body, "body of a force")
+        check_vector(self.vector, f"force on {self.body}: vector")
 
 
 @dataclass(frozen=True, eq=False)
@@ -237,10 +240,10 @@ class BodyScene:
     observables: tuple[Any, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "bodies", _sequence(self.bodies, Body, "bodies"))
-        object.__setattr__(self, "supports", _sequence(self.supports, BodySupport, "supports"))
-        object.__setattr__(self, "loads", _sequence(self.loads, Pressure | Traction | BodyForce, "loads"))
-        object.__setattr__(self, "refinements", _sequence(self.refinements, Refinement, "refinements"))
+        object.__setattr__(self, "bodies", sequence_of(self.bodies, Body, "bodies"))
+        object.__setattr__(self, "supports", sequence_of(self.supports, BodySupport, "supports"))
+        object.__setattr__(self, "loads", sequence_of(self.loads, Pressure | Traction | BodyForce, "loads"))
+        object.__setattr__(self, "refinements", sequence_of(self.refinements, Refinement, "refinements"))
         if not self.bodies:
             raise CaseError("bodies is empty; allowed: at least one body")
         check_unique_names(body.name for body in self.bodies)
@@ -249,7 +252,7 @@ class BodyScene:
         if unknown:
             names = ", ".join(known)
             raise CaseError(f"force on {min(unknown)}: there is no such body; allowed: {names}")
-        if self.size is not None and not (_is_number(self.size) and self.size > 0):
+        if self.size is not None and not (is_number(self.size) and self.size > 0):
             raise CaseError(f"size is {self.size!r}; allowed: a finite length > 0")
         if type(self.order) is not int or not 1 <= self.order <= 4:
             raise CaseError(f"order is {self.order!r}; allowed: a whole number from 1 to 4")
@@ -283,54 +286,8 @@ class BodyScene:
         return tuple(dict.fromkeys(support.boundary for support in self.supports if support.moves))
 
 
-def check_unique_names(names: Iterable[str]) -> None:
-    """Raise CaseError if a body's name occurs twice."""
-    twice = [name for name, count in Counter(names).items() if count > 1]
-    if twice:
-        raise CaseError(f"body name {twice[0]!r} is used twice; allowed: a name of its own for each body")
-
-
-def _check_name(name: object, place: str) -> None:
-    if not isinstance(name, str) or not PLAIN_NAME.fullmatch(name):
-        raise CaseError(f"{place} is {name!r}; allowed: letters, digits, _ and -, at least one of them")
-
-
 def _check_levels(levels: object) -> None:
     try:
         _LEVELS.validate_python(levels)
     except ValidationError as error:
         raise CaseError(f"levels is {levels!r}; {error.errors()[0]['msg']}") from None
-
-
-def _sequence(value: object, kind: type | UnionType, place: str) -> tuple[Any, ...]:
-    if not isinstance(value, (list, tuple)) or not all(isinstance(entry, kind) for entry in value):
-        names = " or ".join(each.__name__ for each in get_args(kind) or (kind,))
-        raise CaseError(f"{place} is {value!r}; allowed: a list of {names}")
-    return tuple(value)
-
-
-def check_dimension(value: tuple[Any, ...], place: str, dimension: int) -> None:
-    """Raise CaseError if what was given for bodies of this dimension has another number of entries."""
-    if len(value) != dimension:
-        kind = "faces in the plane" if dimension == 2 else "solids"
-        raise CaseError(f"{place} has {len(value)} entries; allowed: {dimension}, since the bodies are {kind}")
-
-
-def _entries(value: object, place: str, allowed: str) -> tuple[Any, ...]:
-    if not isinstance(value, (list, tuple)) or len(value) not in (2, 3):
-        raise CaseError(f"{place} is {value!r}; allowed: {allowed}")
-    return tuple(value)
-
-
-def _check_vector(value: object, place: str) -> None:
-    if not callable(value):
-        _check_numbers(value, place, _NUMBERS)
-
-
-def _check_numbers(value: object, place: str, allowed: str) -> None:
-    if not all(_is_number(entry) for entry in _entries(value, place, allowed)):
-        raise CaseError(f"{place} is {value!r}; allowed: {allowed}")
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and isfinite(value)

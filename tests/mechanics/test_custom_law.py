@@ -77,8 +77,8 @@ def test_a_sheared_block_does_not_tell_the_two_laws_apart(law):
     ("energy", "says"),
     [
         (3.0, "energy of a law is 3.0; allowed: a function of the deformation gradient"),
-        (lambda f: ngsolve.Trace(f.trans * f) - 3, "at rest; allowed"),
-        (lambda f: -1.0 * isochoric(f), "shear modulus -0.7 .*; allowed: finite numbers > 0"),
+        (lambda f: ngsolve.Trace(f.trans * f) - 3, "at rest; allowed: none where"),
+        (lambda f: -1.0 * isochoric(f), "shear modulus -0.7.*; allowed: finite numbers > 0"),
     ],
     ids=["no function", "stressed at rest", "without stiffness"],
 )

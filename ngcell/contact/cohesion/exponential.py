@@ -43,8 +43,7 @@ class Cohesion(BaseModel):
     energy: PositiveNumber
 
     def check_scope(self, scene: dict[str, Any]) -> None:
-        """Refuse contact and lumens that look for multipliers at each step: steps in which walls snap would take hours.
-        """
+        """Refuse contact and lumens with multipliers: each step in which walls snap apart would take hours."""
         if not getattr(scene.get("contact"), "goes_with_cohesion", True):
             refuse('does not go with contact.kind = "mortar"; allowed: contact.kind = "penalty"')
         if not getattr(scene.get("lumen"), "goes_with_cohesion", True):

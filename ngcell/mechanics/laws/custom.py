@@ -66,8 +66,10 @@ class CustomLaw:
             raise CaseError(f"energy of a law is {self.energy!r}; allowed: a function of the deformation gradient")
         at_rest = self._first_piola(np.eye(3)[None])[0]
         if not (np.isfinite(at_rest).all() and self.shear_modulus > 0 and self.bulk_modulus > 0):
-            moduli = f"shear modulus {self.shear_modulus:g} and bulk modulus {self.bulk_modulus:g} at rest"
-            raise CaseError(f"energy of a law: {moduli}; allowed: finite numbers > 0")
+            raise CaseError(
+                f"energy of a law: at rest shear modulus {self.shear_modulus:g}, bulk modulus {self.bulk_modulus:g}; "
+                "allowed: finite numbers > 0"
+            )
         if np.abs(at_rest).max() > _AT_REST * self.shear_modulus:
             raise CaseError(
                 f"energy of a law: a stress of {np.abs(at_rest).max():g} at rest; allowed: none where F is the identity"

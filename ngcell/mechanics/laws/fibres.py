@@ -116,8 +116,7 @@ class _Fibres(BaseModel):
     def cauchy_stress(self, gradient: Array, direction: Array) -> Array:
         """Return the Cauchy stress [stress], shape (n, 3, 3): ``2 dW/dI4 (F a) (F a) / J`` of each family.
 
-        Deformation gradients have the shape (n, 3, 3), the directions in the plane (n, 2), those in three dimensions
-        (n, 6).
+        Deformation gradients have the shape (n, 3, 3), directions in the plane (n, 2), in three dimensions (n, 6).
         """
         stress = np.zeros_like(gradient)
         along, upward = np.zeros((len(direction), 3)), np.tile([0.0, 0.0, 1.0], (len(direction), 1))
