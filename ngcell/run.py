@@ -93,9 +93,9 @@ def resume(out: Path, *, threads: int | None = None, verify_penalty: bool = Fals
     return Recording(case, out, threads=threads, verify_penalty=verify_penalty, restart=restart)
 
 
-def inspect(case: AnyCase) -> dict[str, Any]:
+def inspect(case: AnyCase, *, options: Options | None = None) -> dict[str, Any]:
     """Build a case without solving it, and return what would be solved."""
-    simulation = Simulation(case)
+    simulation = Simulation(case, options=options)
     facing, walls = simulation.setup.facing, simulation.walls
     gap = facing.gaps(walls, walls.rest)
     minimiser = simulation.released.minimisers[-1]

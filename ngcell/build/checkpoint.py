@@ -1,7 +1,7 @@
 """A checkpoint: everything that the steps after an accepted one depend on, and nothing else.
 
-A run that was stopped goes on from here as if it had not been. What terms and strategies remember of accepted steps is in
-`memory`; see `ngcell.build.simulation`.
+A run that was stopped goes on from here as if it had not been. What terms and strategies remember of accepted steps is
+in `memory`; see `ngcell.build.simulation`.
 """
 
 from __future__ import annotations

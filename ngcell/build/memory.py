@@ -2,10 +2,10 @@
 
 The matrix of the direct solver has room for all walls that may come to touch, and its entries decide: its pattern is
 made from coordinates, and the factor of it has about twice as many. Measured on three tissues of 7 200, 16 200 and
-63 000 unknowns (order 2, in three dimensions, 0.6, 1.5 and 6.1 million entries), the most that a run took is a straight line in
-them, to 3 %. The iterative solver needs no such room: its entries are those within bodies. Measured on 63 000 unknowns
-(4.4 million entries): once walls were closed a run with a tied solid had taken 2.2 GiB, and one without 1.5; 214 200
-unknowns (16.8 million entries) took 5.7 GiB without one.
+63 000 unknowns (order 2, in three dimensions, 0.6, 1.5 and 6.1 million entries), the most that a run took is a straight
+line in them, to 3 %. The iterative solver needs no such room: its entries are those within bodies. Measured on 63 000
+unknowns (4.4 million entries): once walls were closed a run with a tied solid had taken 2.2 GiB, and one without 1.5;
+214 200 unknowns (16.8 million entries) took 5.7 GiB without one.
 """
 
 from __future__ import annotations

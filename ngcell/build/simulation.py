@@ -1,7 +1,7 @@
 """A scene, built: its unknowns, the problems that they pose, and the steps along its load path.
 
-It reads from top to bottom: mesh and terms, walls and who faces whom, contact and cohesion, the stages of the continuation
-from soft to meant, and the strategy that follows the load path over them.
+It reads from top to bottom: mesh and terms, walls and who faces whom, contact and cohesion, the stages of the
+continuation from soft to meant, and the strategy that follows the load path over them.
 """
 
 from __future__ import annotations
@@ -110,7 +110,8 @@ class Simulation:
 
     @cached_property
     def _volume_stages(self) -> tuple[tuple[Term, ...], ...]:
-        """The terms of bodies and loads, from the bulk modulus that paths are followed with to the one that is meant."""
+        """The terms of bodies and loads, from the bulk modulus that paths are followed with to the one that is meant.
+        """
         bound, stages = self.options.solver.direct_bulk, []
         while bound < max(term.incompressibility for term in self._terms):
             stages.append(fused([term.softened(bound) for term in self._terms]))
@@ -179,7 +180,8 @@ class Simulation:
     def continuation(self) -> Continuation:
         """The path on which equilibria of released walls are selected."""
         (softest, stiffest), options = self._moduli, self.options.solver.continuation
-        # Contact is as stiff as the softer body of a pair; what the proximal term has to outweigh at first is the stiffest.
+        # Contact is as stiff as the softer body of a pair; what the proximal term has to outweigh at first is the
+        # stiffest.
         first = options.first_overlapping if self._overlaps_at_rest else options.first * stiffest / softest
         return Continuation(softest / self.bodies.length**2, replace(options, first=first))
 

@@ -58,9 +58,10 @@ class Configuration:
 
     def once(self, owner: object, find: Callable[[Array], Found]) -> Found:
         """Return what `find` returns at these positions for its owner, computed once: the active set of a term."""
+        # The owner is kept beside what it found, so that its number stays its own.
         if id(owner) not in self._found:
-            self._found[id(owner)] = find(self.positions)
-        found: Found = self._found[id(owner)]
+            self._found[id(owner)] = owner, find(self.positions)
+        found: Found = self._found[id(owner)][1]
         return found
 
 

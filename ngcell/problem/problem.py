@@ -7,6 +7,7 @@ apart for the solver, and passes on to all terms what concerns their history and
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from functools import cached_property, reduce
 from operator import add
 
@@ -120,31 +121,36 @@ class Problem:
         if self._factors is not None:
             stiffness = stiffness * self._factors
         curved = [curvature for term in self._sum if (curvature := term.curvature(at)) is not None]
-        return Linearisation(gradient, stiffness, reduce(add, curved) if curved else None, self._constraints(at))
+        curvature = self.unknowns.fold_curvature(reduce(add, curved)) if curved else None
+        constraints = self._constraints(at)
+        constraints = replace(constraints, jacobian=self.unknowns.fold_columns(constraints.jacobian))
+        return Linearisation(gradient, stiffness, curvature, constraints)
 
     def _constraints(self, at: Configuration) -> OneSided:
         """Return the constraints of all terms; keys of different terms differ."""
-        found = [constraints for term in self._sum if (constraints := term.constraints(at)) is not None]
+        given = [(number, term.constraints(at)) for number, term in enumerate(self._sum)]
+        found = [(number, constraints) for number, constraints in given if constraints is not None]
+        keys = [len(self._sum) * part.keys + number for number, part in found]
         if len(found) == 1:
-            return found[0]
+            return replace(found[0][1], keys=keys[0])
         nothing = np.zeros(0)
-        rows = [sparse.csr_array((0, self.space.unknowns)), *(part.jacobian for part in found)]
-        keys = [len(found) * part.keys + number for number, part in enumerate(found)]
+        rows = [sparse.csr_array((0, self.space.unknowns)), *(part.jacobian for _, part in found)]
         return OneSided(
-            np.concatenate([nothing, *(part.gap for part in found)]),
+            np.concatenate([nothing, *(part.gap for _, part in found)]),
             sparse.vstack(rows, format="csr"),
-            np.concatenate([nothing, *(part.penalty for part in found)]),
+            np.concatenate([nothing, *(part.penalty for _, part in found)]),
             np.concatenate([nothing.astype(np.int64), *keys]),
         )
 
     def gaps(self, state: State) -> tuple[Index, Array]:
         """Return the keys of the constraints of a state, increasing, and their gaps."""
-        found = [gaps for term in self._sum if (gaps := term.gaps(state.at)) is not None]
+        given = [(number, term.gaps(state.at)) for number, term in enumerate(self._sum)]
+        found = [(len(self._sum) * gaps[0] + number, gaps[1]) for number, gaps in given if gaps is not None]
         if not found:
             return np.zeros(0, dtype=np.int64), np.zeros(0)
-        keys = np.concatenate([len(found) * part[0] + number for number, part in enumerate(found)])
+        keys, gap = (np.concatenate(part) for part in zip(*found, strict=True))
         order = np.argsort(keys, kind="stable")
-        return keys[order], np.concatenate([gap for _, gap in found])[order]
+        return keys[order], gap[order]
 
     @cached_property
     def pattern(self) -> tuple[Index, Index]:
@@ -163,7 +169,8 @@ class Problem:
         rows = np.concatenate([row + i for i in first for _ in first])
         columns = np.concatenate([column + j for _ in first for j in first])
         lower = rows >= columns
-        return rows[lower], columns[lower]
+        row, column, _ = self.unknowns.fold(rows[lower], columns[lower])
+        return row, column
 
     def unstored(self, at: Configuration) -> float:
         """Return what the energy holds without its being stored in bodies."""

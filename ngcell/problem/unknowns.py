@@ -6,6 +6,7 @@ A tie is a map of unknowns and no energy: unknowns keep their numbers, those of 
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -43,6 +44,12 @@ class UnknownMap(Protocol):
     def fold_matrix(self, matrix: sparse.csr_array) -> sparse.csr_array:
         """Return a symmetric matrix in the unknowns that are solved for."""
 
+    def fold_curvature(self, matrix: sparse.coo_array) -> sparse.coo_array:
+        """Return a symmetric matrix of entries, repetitions allowed, in the unknowns that are solved for."""
+
+    def fold_columns(self, jacobian: sparse.csr_array) -> sparse.csr_array:
+        """Return derivatives by all unknowns as those by the unknowns that are solved for."""
+
 
 class OwnUnknowns:
     """Every unknown stands for itself.
@@ -77,6 +84,14 @@ class OwnUnknowns:
     def fold_matrix(self, matrix: sparse.csr_array) -> sparse.csr_array:
         """Return the matrix as it is."""
         return matrix
+
+    def fold_curvature(self, matrix: sparse.coo_array) -> sparse.coo_array:
+        """Return the matrix as it is."""
+        return matrix
+
+    def fold_columns(self, jacobian: sparse.csr_array) -> sparse.csr_array:
+        """Return the derivatives as they are."""
+        return jacobian
 
 
 class TiedUnknowns:
@@ -130,5 +145,18 @@ class TiedUnknowns:
 
     def fold_matrix(self, matrix: sparse.csr_array) -> sparse.csr_array:
         """Return the matrix in the masters."""
-        spread = sparse.csr_array((self._sign, (np.arange(len(self._sign)), self._master)), shape=matrix.shape)
-        return (spread.T @ matrix @ spread).tocsr()
+        return (self._spread.T @ matrix @ self._spread).tocsr()
+
+    def fold_curvature(self, matrix: sparse.coo_array) -> sparse.coo_array:
+        """Return the matrix in the masters."""
+        return self.fold_matrix(matrix.tocsr()).tocoo()
+
+    def fold_columns(self, jacobian: sparse.csr_array) -> sparse.csr_array:
+        """Return the derivatives by the masters."""
+        return (jacobian @ self._spread).tocsr()
+
+    @cached_property
+    def _spread(self) -> sparse.csr_array:
+        """The map from masters to all unknowns."""
+        size = len(self._sign)
+        return sparse.csr_array((self._sign, (np.arange(size), self._master)), shape=(size, size))
