@@ -24,7 +24,8 @@ Index = NDArray[np.int64]
 
 
 class Matrix(Protocol):
-    """A symmetric matrix with a lasting pattern, and a solver for it; `add_penalty_terms` makes what `factorise` takes."""
+    """A symmetric matrix with a lasting pattern, and a solver for it; `add_penalty_terms` makes what `factorise` takes.
+    """
 
     @property
     def entry_count(self) -> int:
