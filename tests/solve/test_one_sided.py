@@ -168,7 +168,7 @@ def test_minima_with_other_penalty_terms_are_the_same_whether_factorised_or_corr
 
 
 def test_a_penalty_term_that_alone_held_a_body_is_not_opened_by_a_correction(monkeypatch):
-    """One unknown on a penalty term 1e9 times as stiff as what else holds it: corrected, half of the digits would be lost."""
+    """One unknown on a penalty term 1e9 times as stiff as what else holds it: corrected, half the digits would go."""
     monkeypatch.setattr(SymmetricMatrix, "few", 1)
     free, zero = np.ones(1, dtype=bool), np.zeros(1, dtype=np.int64)
     matrix = SymmetricMatrix(1, free, zero, zero)
