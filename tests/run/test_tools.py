@@ -76,9 +76,9 @@ def test_a_point_of_the_map_is_solved_to_its_tolerance_and_the_condition_of_its_
 
 def test_seconds_of_contact_are_part_of_a_run_that_they_do_not_change():
     case = ngcell.read_case("shear-empty-3x3", ["load.levels=1", "mesh.order=1"])
-    watch, started = Stopwatch(), process_time()
-    *_, timed = ngcell.simulate(case.model_copy(update={"contact": Timed(case.contact, watch)}))
-    assert 0 < watch.seconds < process_time() - started
+    contact, started = Stopwatch(), process_time()
+    *_, timed = ngcell.simulate(case.model_copy(update={"contact": Timed(case.contact, contact)}))
+    assert 0 < contact.seconds < process_time() - started
     *_, plain = ngcell.simulate(case)
     assert timed.record.energy == plain.record.energy
     assert timed.record.iterations == plain.record.iterations
