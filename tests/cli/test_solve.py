@@ -71,7 +71,7 @@ def test_uncertified_run_answers_4_and_says_so(fake_run: FakeRun, in_empty_folde
 
 def test_run_that_does_not_converge_answers_4_and_says_what_is_kept(fake_run: FakeRun, in_empty_folder: Path) -> None:
     fake_run.stop_after = 3
-    fake_run.error = NotConverged("step too small at load 0.7", outcome="step-too-small", record_count=3)
+    fake_run.error = NotConverged("step too small at load 0.7", outcome="step-too-small", steps=(None,) * 3)
     answer = solve(CASE)
     assert answer.exit_code == 4
     assert answer.stdout == ""
