@@ -44,7 +44,7 @@ from ngcell.solve.strategies.strategy import Strategy, Task
 Array = NDArray[np.float64]
 OwnTerm = Callable[[DisplacementSpace], Term]
 
-#: Surface that face each other nearer than this share of their thickness count as touching at rest.
+#: Walls that face each other nearer than this share of their thickness count as touching at rest.
 _TOUCHING = 0.05
 
 
@@ -242,7 +242,7 @@ class Simulation:
 
     def _steps(self) -> list[float]:
         """Return the load factors of all steps: the levels, with equal steps between them where more are asked for."""
-        levels, count = self.levels, self._case.smallest_step_count
+        levels, count = self.levels, self.strategy.steps or self._case.smallest_step_count
         length = float(np.abs(np.diff(levels, prepend=0.0)).sum())
         steps, before = [], 0.0
         for level in levels:
