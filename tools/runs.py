@@ -135,7 +135,7 @@ def summary_in(folder: Path) -> dict[str, Any]:
 
 def released_rows(folder: Path) -> list[dict[str, str]]:
     """Return the rows of the history of a result folder whose walls are in contact, those of stopped runs included."""
-    return [row for row in tables.read(folder / "history.csv") if row["phase"] == "contact"]
+    return [row for row in tables.read(folder / "history.csv") if row["phase"] == "released"]
 
 
 @dataclass(frozen=True)

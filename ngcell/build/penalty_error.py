@@ -45,7 +45,7 @@ def stiffer_result(case: AnyCase, last: StepReport, end: float | None = None) ->
     dict
         The factor on the stiffness and, for each compared column of the history, the value as it was, with stiffer
         penalty terms, and the difference over the former (``None`` where that is zero). Levels of a tissue do not
-        depend on each other, so the last one is run alone; user-defined bodies continuation all of theirs.
+        depend on each other, so the last one is run alone; user-defined bodies follow all of theirs.
 
     Raises
     ------

@@ -44,7 +44,7 @@ from ngcell.solve.strategies.strategy import Strategy, Task
 Array = NDArray[np.float64]
 OwnTerm = Callable[[DisplacementSpace], Term]
 
-#: Surface that face each other nearer than this share of their thickness count as touching at rest.
+#: Walls that face each other nearer than this share of their thickness count as touching at rest.
 _TOUCHING = 0.05
 
 
@@ -198,8 +198,8 @@ class Simulation:
 
     def _minimiser(self, problem: Problem, longest_step: float) -> Minimiser:
         volume = float(self.space.one @ self.space.scalar_mass @ self.space.one)
-        scale = self._moduli[1] * volume
-        return Minimiser(problem, longest_step, energy_scale=scale, options=self.options.solver.minimiser, clock=self.clock)
+        scale, options = self._moduli[1] * volume, self.options.solver.minimiser
+        return Minimiser(problem, longest_step, energy_scale=scale, options=options, clock=self.clock)
 
     @property
     def strategy(self) -> Strategy:
@@ -242,7 +242,7 @@ class Simulation:
 
     def _steps(self) -> list[float]:
         """Return the load factors of all steps: the levels, with equal steps between them where more are asked for."""
-        levels, count = self.levels, self._case.smallest_step_count
+        levels, count = self.levels, self.strategy.steps or self._case.smallest_step_count
         length = float(np.abs(np.diff(levels, prepend=0.0)).sum())
         steps, before = [], 0.0
         for level in levels:

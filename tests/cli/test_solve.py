@@ -47,7 +47,7 @@ def test_progress_is_a_plain_line_for_each_step_where_there_is_no_terminal(
 ) -> None:
     lines = solve(CASE).stderr.splitlines()
     assert len(lines) == 5
-    assert lines[2].startswith("step   2  contact   load 0.6000  largest gap  2.000e-02  parted    2")
+    assert lines[2].startswith("step   2  released  load 0.6000  largest gap  2.000e-02  parted    2")
     assert solve(CASE, "--quiet").stderr == ""
 
 
@@ -71,7 +71,7 @@ def test_uncertified_run_answers_4_and_says_so(fake_run: FakeRun, in_empty_folde
 
 def test_run_that_does_not_converge_answers_4_and_says_what_is_kept(fake_run: FakeRun, in_empty_folder: Path) -> None:
     fake_run.stop_after = 3
-    fake_run.error = NotConverged("step too small at load 0.7", outcome="step-too-small", record_count=3)
+    fake_run.error = NotConverged("step too small at load 0.7", outcome="step-too-small", steps=(None,) * 3)
     answer = solve(CASE)
     assert answer.exit_code == 4
     assert answer.stdout == ""

@@ -9,6 +9,7 @@ import pytest
 
 from ngcell import run
 from ngcell.build.memory import entry_count, foreseen_memory
+from ngcell.build.options import Options
 from ngcell.build.simulation import Simulation
 from ngcell.run import inspect
 from ngcell.solve.options import MinimiserOptions, SolverOptions
@@ -29,7 +30,7 @@ def test_entries_are_those_of_the_matrix_that_a_release_makes(height):
 
 
 def test_matrices_of_the_iterative_solver_have_room_for_no_contact(monkeypatch):
-    options = SolverOptions(minimiser=MinimiserOptions(most_direct=0))
+    options = Options(solver=SolverOptions(minimiser=MinimiserOptions(most_direct=0)))
     monkeypatch.setattr(run, "Simulation", partial(Simulation, options=options))
     simulation = Simulation(case(0.4), options=options)
     minimiser = simulation.released.minimisers[0]
