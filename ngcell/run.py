@@ -76,9 +76,7 @@ def record(
     Where the folder holds accepted steps of an earlier run, it is refused unless `force` is given; they are then
     replaced when this run accepts its first step. For the other parameters see `Recording`.
     """
-    return Recording(
-        case, out, threads=threads, verify_penalty=verify_penalty, force=force, max_minutes=max_minutes
-    )
+    return Recording(case, out, threads=threads, verify_penalty=verify_penalty, force=force, max_minutes=max_minutes)
 
 
 def resume(

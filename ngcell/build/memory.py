@@ -44,6 +44,6 @@ def entry_count(problem: Problem, minimiser: Minimiser) -> int:
     return int(np.count_nonzero(np.diff(keys))) + bool(len(keys))
 
 
-def foreseen_memory(entries: int, solver: str = "direct") -> float:
+def foreseen_memory(entries: float, solver: str = "direct") -> float:
     """Return the most memory that a run with a matrix of so many entries takes with this solver [GiB]."""
     return _AT_LEAST + _FOR_AN_ENTRY[solver] * entries / 2**30
