@@ -3,7 +3,7 @@
     python -m tools.extreme soak [--kills 200] [--minutes 60] [--seed 1]
 
 Each run of a small scene is ended by a signal at a moment drawn from the time that the whole run takes, start-up
-included, and resumed, up to three times; then it is left alone to end. Half of them replace an earlier result, which
+included, and resumed, up to eight times; then it is left alone to end. Half of them replace an earlier result, which
 has to be whole as long as the new run has accepted no step. At the end all tables, but for the seconds, and all fields
 have to be those of a run that nobody stopped, byte by byte. The table goes to `tools/results/soak.csv`.
 """
@@ -42,7 +42,7 @@ SCENES = {
 }
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 COLUMNS = ("scene", "signal", "kills", "before_first_step", "ended_anyway", "runs", "numbers_changed", "folders_lost")
-_MOST_KILLS_OF_A_RUN = 3
+_MOST_KILLS_OF_A_RUN = 8
 
 
 @dataclass(frozen=True)
@@ -125,7 +125,7 @@ def soaked(
             process.send_signal(name)
             process.communicate()
         is_early = not summary_in(folder).get("accepted_steps") or (before is not None and bytes_of(folder) == before)
-        yield Counter({"signal": name, "kills": 1, "before_first_step": is_early})
+        yield Counter({"signal": name, "kills": 1, "before_first_step": int(is_early)})
     lost, changed = 0, 0
     if summary_in(folder).get("status") != "finished" or (before is not None and bytes_of(folder) == before):
         process = started(*next_words(scene, folder, before))
