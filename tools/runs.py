@@ -99,7 +99,7 @@ def found_by(*words: str) -> Any:
 def solve_words(case: str, folder: Path, overrides: tuple[str, ...] = ()) -> list[str]:
     """Return the words with which a case is solved into a folder by one thread."""
     settings = [word for entry in overrides for word in ("--set", entry)]
-    return ["ngcell", "solve", case, *settings, "--out", str(folder), "--threads", "1"]
+    return ["ngcell", "solve", case, *settings, "--out", str(folder), "--threads", "1", "--force"]
 
 
 def alternating(measured: Mapping[str, Callable[[], Any]], times: int) -> dict[str, list[Any]]:

@@ -39,7 +39,7 @@ def command(case: Path, folder: Path, tolerance: float) -> None:
     last, scene = None, ngcell.read_case(case)
     with _recorded(with_tolerance(tolerance)):
         try:
-            recording = ngcell.record(scene, folder, threads=1)
+            recording = ngcell.record(scene, folder, threads=1, force=True)
             for _ in recording:
                 last = read_restart(folder).checkpoint if (folder / RESTART).exists() else last
             code = 0 if recording.certified else NotConverged.exit_code
