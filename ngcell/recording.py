@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
 
-import ngsolve
 from threadpoolctl import threadpool_limits
 
 from ngcell.build.checkpoint import Checkpoint
@@ -19,6 +18,7 @@ from ngcell.build.simulation import Simulation
 from ngcell.clock import Clock
 from ngcell.errors import NotConverged
 from ngcell.export import Restart, ResultFolder, cannot_resume
+from ngcell.mechanics.symbolic import assembly_threads
 from ngcell.results.certificate import worst
 from ngcell.results.growth import growth_onset
 from ngcell.results.record import StepRecord
@@ -43,7 +43,8 @@ class Recording:
     out : Path
         The result folder.
     threads : int, optional
-        Number of threads; by default one for small scenes, else one for each core.
+        Number of threads of large scenes, by default one for each core; small scenes use one. Results do not depend
+        on it.
     verify_penalty : bool
         Whether the last level is repeated with a stiffer penalty, to report how far the result moves.
     restart : Restart, optional
@@ -193,8 +194,8 @@ def _seconds(clock: Clock, wall: float) -> dict[str, Any]:
 
 @contextmanager
 def use_threads(asked: int | None, unknowns: int) -> Iterator[None]:
-    """Let NGSolve use more than one thread where that pays, or where it is asked for; dense blocks get one each."""
-    count = asked or (1 if unknowns < _UNKNOWNS_FOR_THREADS else os.cpu_count() or 1)
-    ngsolve.SetNumThreads(count)
-    with threadpool_limits(1, user_api="blas"), ngsolve.TaskManager() if count > 1 else nullcontext():
+    """Let NGSolve assemble by more than one thread where that pays; no digit depends on it, see
+    `ngcell.mechanics.symbolic`."""
+    count = 1 if unknowns < _UNKNOWNS_FOR_THREADS else asked or os.cpu_count() or 1
+    with threadpool_limits(1, user_api="blas"), assembly_threads(count):
         yield
