@@ -6,13 +6,12 @@ import logging
 import os
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from time import monotonic, perf_counter, process_time
 from typing import Any
 
-import ngsolve
 from threadpoolctl import threadpool_limits
 
 from ngcell.build.checkpoint import Checkpoint
@@ -21,6 +20,7 @@ from ngcell.build.simulation import Simulation
 from ngcell.clock import Clock, OutOfTime
 from ngcell.errors import CaseError, NotConverged
 from ngcell.export import Restart, ResultFolder, cannot_resume
+from ngcell.mechanics.symbolic import assembly_threads
 from ngcell.results.certificate import worst
 from ngcell.results.growth import growth_onset
 from ngcell.results.record import StepRecord
@@ -47,7 +47,13 @@ class Recording:
     out : Path
         The result folder.
     threads : int, optional
-        Number of threads; by default one for small scenes, else one for each core; never more than these.
+    """Let NGSolve assemble by more than one thread where that pays; no digit depends on it, see
+    `ngcell.mechanics.symbolic`."""
+    cores = available_cores()
+    if asked is not None and asked > cores:
+        _log.warning("%d threads were asked for; %d run, one for each core that this process may use", asked, cores)
+    count = 1 if unknowns < _UNKNOWNS_FOR_THREADS else min(asked or cores, cores)
+    with threadpool_limits(1, user_api="blas"), assembly_threads(count):
     verify_penalty : bool
         Whether the last level is repeated with a stiffer penalty, to report how far the result moves.
     restart : Restart, optional
@@ -231,6 +237,7 @@ def available_cores() -> int:
 
 @contextmanager
 def use_threads(asked: int | None, unknowns: int) -> Iterator[None]:
+<<<<<<< HEAD
     """Let NGSolve use more than one thread where that pays, or where it is asked for; dense blocks get one each."""
     cores = available_cores()
     if asked is not None and asked > cores:
@@ -238,4 +245,10 @@ def use_threads(asked: int | None, unknowns: int) -> Iterator[None]:
     count = min(asked or (1 if unknowns < _UNKNOWNS_FOR_THREADS else cores), cores)
     ngsolve.SetNumThreads(count)
     with threadpool_limits(1, user_api="blas"), ngsolve.TaskManager() if count > 1 else nullcontext():
+=======
+    """Let NGSolve assemble by more than one thread where that pays; no digit depends on it, see
+    `ngcell.mechanics.symbolic`."""
+    count = 1 if unknowns < _UNKNOWNS_FOR_THREADS else asked or os.cpu_count() or 1
+    with threadpool_limits(1, user_api="blas"), assembly_threads(count):
+>>>>>>> solver
         yield

@@ -90,14 +90,14 @@ class _Path:
         """Yield accepted steps after those of `progress`."""
         targets, memory = self._task.steps, progress.memory
         done = int(memory.get("targets", 0))
-        increment = float(memory.get("increment", 0.0)) or abs(targets[0])
         place = self._start(progress)
+        increment = float(memory.get("increment", 0.0)) or abs(targets[0])
         shortest = float(np.abs(np.diff([0.0, *targets])).min()) / 2**MOST_HALVINGS
         for number, target in enumerate(targets[done:], done):
             while place.load != target:
                 before = self._released.effort
                 way = target - place.load
-                pieces = max(1, int(np.ceil(abs(way) / increment - 1e-9)))
+                pieces = max(1, int(np.ceil(abs(way) / increment - 1e-9)), self._pieces(place, target))
                 increment = abs(way) / pieces
                 goal = target if pieces == 1 else place.load + way / pieces
                 tried = self._tried(place, goal, is_shortest=increment < shortest)
@@ -120,6 +120,11 @@ class _Path:
         state = self._problem.at(progress.displacement.get("released", at_rest))
         start = Minimum(state, Ending.CONVERGED, 0.0, ProximalTerm(0.0, state.displacement))
         return _Place(progress.load_factor, start, float(progress.memory.get("dissipation", 0.0)))
+
+    def _pieces(self, place: _Place, target: float) -> int:
+        """Return in how many increments supports are to move for no wall to be passed unseen."""
+        displacement = place.minimum.state.displacement
+        return self._released.pieces(displacement, self._motion.imposed(displacement, target))
 
     def _tried(self, place: _Place, goal: float, *, is_shortest: bool) -> tuple[_Place, Account] | None:
         """Return where a step leads, or None if it is too long."""
