@@ -123,7 +123,7 @@ class Recording:
     def _checkpoint(self, simulation: Simulation) -> Checkpoint:
         """Return where the continuation starts."""
         if self._restart is None:
-            return Checkpoint()
+            return simulation.start
         try:
             return Checkpoint.from_arrays(self._restart.checkpoint, simulation.space.unknowns)
         except (ValueError, KeyError, TypeError) as error:
@@ -173,6 +173,7 @@ def _summary(
         },
         "debonding": next((step.debonding for step in reversed(steps) if step.debonding), {}),
         "onset_of_growth": _onset(simulation, steps),
+        "onset_is_a_bound": _onset_is_a_bound(simulation, steps),
         "iterations": sum(step.record.iterations for step in steps),
         "factorisations": sum(step.record.factorisations for step in steps),
         "refused": sum(step.refused for step in steps),
@@ -181,10 +182,21 @@ def _summary(
     }
 
 
+def _released(steps: list[StepReport]) -> list[StepRecord]:
+    return [step.record for step in steps if step.record.phase == "released"]
+
+
+def _onset_is_a_bound(simulation: Simulation, steps: list[StepReport]) -> bool:
+    """Return whether gaps had grown at the first level already, and nobody knows how much earlier."""
+    contact, onset = _released(steps), _onset(simulation, steps)
+    starts_later = bool(contact) and contact[0].load_factor > 0 and not simulation.starts_at_rest
+    return starts_later and onset == contact[0].plate_displacement
+
+
 def _onset(simulation: Simulation, steps: list[StepReport]) -> float | None:
-    contact = [step.record for step in steps if step.record.phase == "released"]
+    contact = _released(steps)
     displacement, mean = [row.plate_displacement for row in contact], [row.mean_gap for row in contact]
-    return growth_onset(displacement, mean, simulation.bodies.thickness)
+    return growth_onset(displacement, mean, simulation.bodies.thickness, at_rest=simulation.mean_gap_at_rest)
 
 
 def _seconds(clock: Clock, wall: float) -> dict[str, Any]:
