@@ -25,7 +25,7 @@ from ngcell.results.quantities import View
 from ngcell.results.record import CellRecord, StepRecord, WallRecord
 from ngcell.results.report import StepReport
 from ngcell.results.snapshot import Snapshot
-from ngcell.results.surface import wall_fields
+from ngcell.results.surface import pressed_lengths, wall_fields
 from ngcell.results.walls import (
     CellComponents,
     find_components,
@@ -171,6 +171,7 @@ class Observer:
         follow = PairOnsets.starting if before is None else before.after
         onsets = follow(record.plate_displacement, gaps, thickness)
         gap, pressure = wall_fields(self._setup.walls, facing, view.problem, at)
+        pressed = pressed_lengths(self._setup.walls, facing.pairs, view.problem, at)
         held = cell_fields(view.problem.terms, at, record.load_factor)
         free = np.isin(np.arange(self._bodies.body_count), measured.free_bodies).astype(np.int64)
         snapshot = take_snapshot(
@@ -184,7 +185,7 @@ class Observer:
         cells = cell_records(components, measured, record.step, record.plate_displacement, held.get("cell_pressure"))
         return replace(
             step,
-            walls=wall_records(facing, measured, record.step, thickness, onsets.onset),
+            walls=wall_records(facing, measured, record.step, thickness, onsets.onset, pressed),
             cells=cells,
             snapshot=snapshot,
             findings=list(compare(self._expected, record, view, self._levels[-1])),
