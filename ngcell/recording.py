@@ -6,13 +6,12 @@ import logging
 import os
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from time import monotonic, perf_counter, process_time
 from typing import Any
 
-import ngsolve
 from threadpoolctl import threadpool_limits
 
 from ngcell.build.checkpoint import Checkpoint
@@ -21,6 +20,7 @@ from ngcell.build.simulation import Simulation
 from ngcell.clock import Clock, OutOfTime
 from ngcell.errors import CaseError, NotConverged
 from ngcell.export import Restart, ResultFolder, cannot_resume
+from ngcell.mechanics.symbolic import assembly_threads
 from ngcell.results.certificate import worst
 from ngcell.results.growth import growth_onset
 from ngcell.results.record import StepRecord
@@ -47,7 +47,8 @@ class Recording:
     out : Path
         The result folder.
     threads : int, optional
-        Number of threads; by default one for small scenes, else one for each core; never more than these.
+        Number of threads of large scenes, by default one for each core and never more; small scenes use one. Results
+        do not depend on it.
     verify_penalty : bool
         Whether the last level is repeated with a stiffer penalty, to report how far the result moves.
     restart : Restart, optional
@@ -144,7 +145,7 @@ class Recording:
     def _checkpoint(self, simulation: Simulation) -> Checkpoint:
         """Return where the continuation starts."""
         if self._restart is None:
-            return Checkpoint()
+            return simulation.start
         try:
             checkpoint = Checkpoint.from_arrays(self._restart.checkpoint, simulation.space.unknowns)
             if checkpoint.count != len(self._restart.reports):
@@ -199,6 +200,7 @@ def _summary(
         },
         "debonding": next((step.debonding for step in reversed(steps) if step.debonding), {}),
         "onset_of_growth": _onset(simulation, steps),
+        "onset_is_a_bound": _onset_is_a_bound(simulation, steps),
         "iterations": sum(step.record.iterations for step in steps),
         "factorisations": sum(step.record.factorisations for step in steps),
         "refused": sum(step.refused for step in steps),
@@ -212,10 +214,21 @@ def _reached(steps: list[StepReport]) -> float:
     return steps[-1].record.load_factor if steps else 0.0
 
 
+def _released(steps: list[StepReport]) -> list[StepRecord]:
+    return [step.record for step in steps if step.record.phase == "released"]
+
+
+def _onset_is_a_bound(simulation: Simulation, steps: list[StepReport]) -> bool:
+    """Return whether gaps had grown at the first level already, and nobody knows how much earlier."""
+    contact, onset = _released(steps), _onset(simulation, steps)
+    starts_later = bool(contact) and contact[0].load_factor > 0 and not simulation.starts_at_rest
+    return starts_later and onset == contact[0].plate_displacement
+
+
 def _onset(simulation: Simulation, steps: list[StepReport]) -> float | None:
-    contact = [step.record for step in steps if step.record.phase == "released"]
+    contact = _released(steps)
     displacement, mean = [row.plate_displacement for row in contact], [row.mean_gap for row in contact]
-    return growth_onset(displacement, mean, simulation.bodies.thickness)
+    return growth_onset(displacement, mean, simulation.bodies.thickness, at_rest=simulation.mean_gap_at_rest)
 
 
 def _seconds(clock: Clock, wall: float) -> dict[str, Any]:
@@ -231,11 +244,11 @@ def available_cores() -> int:
 
 @contextmanager
 def use_threads(asked: int | None, unknowns: int) -> Iterator[None]:
-    """Let NGSolve use more than one thread where that pays, or where it is asked for; dense blocks get one each."""
+    """Let NGSolve assemble by more than one thread where that pays; no digit depends on it, see
+    `ngcell.mechanics.symbolic`."""
     cores = available_cores()
     if asked is not None and asked > cores:
         _log.warning("%d threads were asked for; %d run, one for each core that this process may use", asked, cores)
-    count = min(asked or (1 if unknowns < _UNKNOWNS_FOR_THREADS else cores), cores)
-    ngsolve.SetNumThreads(count)
-    with threadpool_limits(1, user_api="blas"), ngsolve.TaskManager() if count > 1 else nullcontext():
+    count = 1 if unknowns < _UNKNOWNS_FOR_THREADS else min(asked or cores, cores)
+    with threadpool_limits(1, user_api="blas"), assembly_threads(count):
         yield

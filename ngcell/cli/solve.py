@@ -95,7 +95,7 @@ def solve(
     except KeyboardInterrupt:
         _give_up("stopped by Ctrl-C", accepted, folder)
     except NotConverged as error:
-        _give_up(str(error), error.record_count, folder)
+        _give_up(str(error), len(error.steps), folder)
     for line in summary_lines(recording, folder):
         click.echo(line)
     if not recording.certified:

@@ -91,7 +91,7 @@ class BoundaryLoads(SymbolicTerm):
 
     def share(self, load_factor: float) -> float:
         """Return the share of the loads that acts at a load factor."""
-        return float(load_factor > 0) if self._in_full else load_factor
+        return 1.0 if self._in_full else load_factor
 
     def integrals(self, displacement: ngsolve.CoefficientFunction) -> Integrals:
         """Return the potential at `factor`, whatever it will be, as integrals over boundaries and bodies."""

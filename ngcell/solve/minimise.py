@@ -111,6 +111,22 @@ class Minimiser:
         self.effort.factorisations += 1
         return displacement + jump - matrix.solve(matrix.multiply(values, jump))
 
+    def foresee(self, displacement: Array, imposed: Array, weight: float) -> Array:
+        """Return what `predict` does, with walls that open and close as the linearised gaps of all near ones say."""
+        state = self._at(displacement)
+        jump = np.where(self.problem.free, 0.0, imposed - displacement)
+        model, matrix = self._model(state, self.problem.linearise(state), ProximalTerm(weight, displacement), 0.0)
+        driven = np.where(self.problem.free, model.gradient + matrix.multiply(model.stiffness, jump), 0.0)
+        moved = replace(model, gradient=driven, gap=model.gap + model.jacobian @ jump)
+        step, _, rounds = minimise_one_sided(moved, matrix, self.options.inner)
+        self.effort.factorisations += rounds
+        return displacement + jump + step
+
+    def may_touch(self, displacement: Array, way: float) -> bool:
+        """Return whether bodies may come into contact while nothing moves by more than `way` [length]."""
+        row, column = self.problem.couplings(self._at(displacement), 2 * way)
+        return bool((self.problem.part[row] != self.problem.part[column]).any())
+
     def adopt_matrix(self, other: Minimiser) -> None:
         """Take over the matrix of a minimiser that has the same unknowns and bodies, if there is none yet."""
         self._system = self._system or other._system

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields, is_dataclass, replace
-from functools import reduce
+from operator import attrgetter
 from typing import Any
 
 from ngcell.build.options import Options
@@ -11,7 +11,7 @@ from ngcell.build.options import Options
 
 def usual(number: str) -> float:
     """Return one of the package's own numbers."""
-    return float(reduce(getattr, number.split("."), Options()))
+    return float(attrgetter(number)(Options()))
 
 
 def changed(number: str, value: float) -> Options:
