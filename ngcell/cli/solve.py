@@ -140,6 +140,10 @@ def _log_to_stderr(level: int) -> None:
 
 
 def _give_up(reason: str, accepted: int, folder: Path) -> NoReturn:
+    from ngcell.export.ownership import holds_result
+
     kept = f"accepted steps kept in {folder}: {accepted}" if accepted else "no step was accepted"
+    if not accepted and holds_result(folder):
+        kept += f", and the earlier result in {folder} is as it was"
     note(f"{reason}; {kept}")
     sys.exit(NotConverged.exit_code)
