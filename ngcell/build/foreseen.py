@@ -1,9 +1,10 @@
 """What a scene will take, foreseen before it is meshed: a slip of the pen in a size should cost a line, not an hour.
 
 The number of elements is that of the tissue's own mesh, or at least that of equilateral elements of the asked-for size
-in the areas and volumes of user-defined bodies. The number of entries of the matrix is at least that of a large mesh
-without contact: `p**d` nodes an element, `d` unknowns each, which meet those of the elements around, `d (p + 1)**d` on
-either side of the diagonal. Both are too low rather than too high, so that nothing is refused that would fit.
+in the areas and volumes of user-defined bodies. The number of entries of the matrix is that of an endless regular mesh
+without contact. Along one axis an element of order p has p - 1 nodes inside, each of which meets p + 1 nodes, and one
+at an end, which meets 2 p + 1: together p (p + 2) pairs of nodes, in d dimensions (p (p + 2))**d, d**2 entries each,
+half of them below the diagonal. Both are too low rather than too high, so that nothing is refused that would fit.
 """
 
 from __future__ import annotations
@@ -117,7 +118,7 @@ def _count(volume: float, size: float, dimension: int) -> float:
 
 
 def _check_fits(elements: float, order: int, dimension: int, share: float, keys: str) -> None:
-    entries = share * elements * dimension**2 * (order * (order + 1)) ** dimension
+    entries = share * elements * dimension**2 / 2 * (order * (order + 2)) ** dimension
     needed, there = foreseen_memory(entries), available_memory()
     if not needed <= there:
         raise CaseError(
