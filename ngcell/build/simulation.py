@@ -202,7 +202,8 @@ class Simulation:
     def _minimiser(self, problem: Problem, longest_step: float) -> Minimiser:
         volume = float(self.space.one @ self.space.scalar_mass @ self.space.one)
         scale = self._moduli[1] * volume
-        return Minimiser(problem, longest_step, energy_scale=scale, options=self.options.solver.minimiser, clock=self.clock)
+        options = self.options.solver.minimiser
+        return Minimiser(problem, longest_step, energy_scale=scale, options=options, clock=self.clock)
 
     @property
     def strategy(self) -> Strategy:
