@@ -117,6 +117,9 @@ class ContinuationOptions:
     nothing : float
         Share of the energy that is nothing: a decrement on the way, or what is missed where updates hardly help, as
         slivers of walls bear nothing.
+    farthest, hold_back : float
+        Longest way of a predicted centre, in longest steps or ways of the supports, and the factor of the weight that
+        holds back what would go further.
     """
 
     first: float = 1e3
@@ -135,6 +138,8 @@ class ContinuationOptions:
     cycling: int = 200
     slow: float = 0.25
     nothing: float = 1e-11
+    farthest: float = 2.0
+    hold_back: float = 100.0
 
 
 @dataclass(frozen=True)
