@@ -148,7 +148,8 @@ def measure(
     proximal_force : array of float, shape (unknowns,)
         Nodal forces that the proximal term exerts on the bodies [stress * length].
     before : WorkPoint, optional
-        The accepted step before, of the same phase.
+        The accepted step before, of the same phase, or rest; None where no equilibrium before this one is known, and
+        so no work to it.
     account : Account, optional
         Where energy went, where that is known better than from the step before.
     """
@@ -165,7 +166,7 @@ def measure(
         float(reaction @ setup.motion.rate(load_factor)),
         problem.drives(state.displacement, load_factor),
     )
-    surplus = 0.0 if account is not None else _surplus_of_work(before or WorkPoint(), work)
+    surplus = 0.0 if account is not None or before is None else _surplus_of_work(before, work)
     certificate = certify(
         problem,
         setup.walls,

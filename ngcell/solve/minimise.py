@@ -79,6 +79,7 @@ class Minimiser:
         if not np.isfinite(state.energy):
             return Minimum(state, Ending.NO_ENERGY, decrement, proximal)
         for _ in range(most or self.options.most_iterations):
+            self.clock.check()
             self.effort.iterations += 1
             advance = self._descend(state, proximal, damping, tolerance)
             if advance is None:
