@@ -112,11 +112,16 @@ class Minimiser:
         return displacement + jump - matrix.solve(matrix.multiply(values, jump))
 
     def foresee(self, displacement: Array, imposed: Array, weight: float) -> Array:
-        """Return what `predict` does, with walls that open and close as the linearised gaps of all near ones say."""
+        """Return what `predict` does, with walls that open and close as the linearised gaps of all near ones say.
+
+        Where the displacement is no equilibrium, as where bodies overlap at rest, it stays so: what is out of balance
+        does not count.
+        """
         state = self._at(displacement)
         jump = np.where(self.problem.free, 0.0, imposed - displacement)
         model, matrix = self._model(state, self.problem.linearise(state), ProximalTerm(weight, displacement), 0.0)
-        driven = np.where(self.problem.free, model.gradient + matrix.multiply(model.stiffness, jump), 0.0)
+        driven = matrix.multiply(model.stiffness, jump) - model.pulled(model.penalty * np.minimum(model.gap, 0))
+        driven = np.where(self.problem.free, driven, 0.0)
         moved = replace(model, gradient=driven, gap=model.gap + model.jacobian @ jump)
         step, _, rounds = minimise_one_sided(moved, matrix, self.options.inner)
         self.effort.factorisations += rounds
