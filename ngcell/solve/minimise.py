@@ -11,6 +11,7 @@ Near the minimum differences of energies drown in round-off. There the model alo
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -126,6 +127,18 @@ class Minimiser:
         step, _, rounds = minimise_one_sided(moved, matrix, self.options.inner)
         self.effort.factorisations += rounds
         return displacement + jump + step
+
+    def shifted(self, minimum: Minimum, weight: float) -> Callable[[Array], Array]:
+        """Return what solves systems with the tangent at a minimum plus `weight` times the mass matrix.
+
+        Walls that are closed stay closed.
+        """
+        line = self.problem.linearise(minimum.state)
+        model, matrix = self._model(minimum.state, line, minimum.proximal, weight)
+        closed = np.flatnonzero(model.gap < 0)
+        matrix.factorise(matrix.add_penalty_terms(model.stiffness, model.jacobian[closed], model.penalty[closed]))
+        self.effort.factorisations += 1
+        return matrix.solve
 
     def may_touch(self, displacement: Array, way: float) -> bool:
         """Return whether bodies may come into contact while nothing moves by more than `way` [length]."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +11,11 @@ from ngcell.solve.continuation import Continuation, until_conditions_hold
 from ngcell.solve.effort import Effort
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Ending, Minimum
+from ngcell.solve.options import StabilityOptions
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.problem import Problem
 from ngcell.solve.proximal import ProximalTerm
+from ngcell.solve.stability import leave_saddle
 from ngcell.solve.step import Accepted, StepFailed, spent
 
 Array = NDArray[np.float64]
@@ -44,6 +46,7 @@ class Released:
     path: Continuation
     is_alone: bool = False
     is_mixed: bool = False
+    stability: StabilityOptions = field(default_factory=StabilityOptions)
 
     @property
     def effort(self) -> Effort:
@@ -105,9 +108,18 @@ class Released:
         minimum = self._alone(start, proximal) or self._selected(start, centre, may_stall)
         if self.is_mixed and minimum.is_found:
             minimum = self.minimisers[-1].minimise(minimum.state.displacement, minimum.proximal)
+        minimum = self._stable(minimum)
         if not minimum.is_found:
             raise StepFailed(Outcome.RELEASE_FAILED, load)
         return Accepted("released", load, minimum, self.effort - before)
+
+    def _stable(self, minimum: Minimum) -> Minimum:
+        """Return a minimum below a saddle, with contact conditions met; what is no saddle stays as it is."""
+        minimiser = self.minimisers[-1]
+        left = leave_saddle(minimiser, minimum, self.stability, scale=self.path.scale, length=self.longest_step)
+        if left is minimum or not left.is_found:
+            return left
+        return until_conditions_hold(minimiser, left, self.longest_step, self.path.options)
 
     def _selected(self, start: Array, centre: Array, may_stall: bool) -> Minimum:
         """Return the end of the path; where contact turns out too soft to follow it, that of a stiffer stage's.
