@@ -197,7 +197,7 @@ WRONG: dict[str, tuple[tuple[str, str], int, str, str]] = {
         ("displacement = [0.1, 0.0]", "displacement = [0.1, 0.0]\nshear = 0.1"),
         18,
         "load.shear = 0.1",
-        "allowed: kind, displacement, stretch, ends, end_pressure, levels",
+        "allowed: kind, ends, end_pressure, levels, displacement, stretch",
     ),
     "two motions": (
         ("displacement = [0.1, 0.0]", "displacement = [0.1, 0.0]\nstretch = 1.1"),

@@ -55,6 +55,8 @@ class EndsOfPrisms(BaseModel):
 
     Parameters
     ----------
+    kind : str
+        The kind of load.
     ends : {"free", "held", "pressed"}, optional
         Whether the ends of prisms are free, as by default, held along z, as in plane strain, or under a pressure.
     end_pressure : float, optional
@@ -67,6 +69,7 @@ class EndsOfPrisms(BaseModel):
 
     model_config = SECTION
 
+    kind: str
     ends: Literal["free", "held", "pressed"] | None = None
     end_pressure: float | None = None
     levels: Levels = 10
