@@ -177,6 +177,7 @@ class Simulation:
             self.continuation,
             is_alone=self.bodies.body_count == 1,
             is_mixed=stiffest > softest,
+            stability=self.options.solver.stability,
         )
 
     @property
