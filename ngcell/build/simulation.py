@@ -25,7 +25,7 @@ from ngcell.contact.pairing.facing import find_facing
 from ngcell.contact.surface.find import find_surface
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.symbolic import fused
-from ngcell.mechanics.term import Term
+from ngcell.mechanics.term import Configuration, Term
 from ngcell.problem.problem import Problem
 from ngcell.problem.reports import memory
 from ngcell.problem.tie import tie_walls
@@ -110,8 +110,7 @@ class Simulation:
 
     @cached_property
     def _volume_stages(self) -> tuple[tuple[Term, ...], ...]:
-        """The terms of bodies and loads, from the bulk modulus that paths are followed with to the one that is meant.
-        """
+        """The terms of bodies and loads, from the bulk modulus that paths are followed with to the one that is meant."""
         bound, stages = self.options.solver.direct_bulk, []
         while bound < max(term.incompressibility for term in self._terms):
             stages.append(fused([term.softened(bound) for term in self._terms]))
@@ -199,7 +198,9 @@ class Simulation:
     def _minimiser(self, problem: Problem, longest_step: float) -> Minimiser:
         volume = float(self.space.one @ self.space.scalar_mass @ self.space.one)
         scale = self._moduli[1] * volume
-        return Minimiser(problem, longest_step, energy_scale=scale, options=self.options.solver.minimiser, clock=self.clock)
+        return Minimiser(
+            problem, longest_step, energy_scale=scale, options=self.options.solver.minimiser, clock=self.clock
+        )
 
     @property
     def strategy(self) -> Strategy:
@@ -219,11 +220,19 @@ class Simulation:
         for accepted in self.follow(checkpoint):
             with self.clock.phase("measuring"):
                 problem = self.tied_problems[-1] if accepted.phase == "tied" else self.problem
-                step = self._observer.step(accepted, problem, checkpoint, perf_counter() - started)
+                tied = self._released_from(accepted, checkpoint)
+                step = self._observer.step(accepted, problem, checkpoint, perf_counter() - started, tied=tied)
                 step = replace(step, checkpoint=replace(step.checkpoint, memory=self._memory(accepted)))
                 checkpoint = step.checkpoint
             yield step
             started = perf_counter()
+
+    def _released_from(self, accepted: Accepted, checkpoint: Checkpoint) -> Configuration | None:
+        """Return the tied state at the load of a released step, if that was the step before."""
+        tied = checkpoint.work.get("tied")
+        if accepted.phase == "tied" or tied is None or tied.load_factor != accepted.load_factor:
+            return None
+        return self.tied_problems[-1].configuration(checkpoint.displacement["tied"])
 
     def follow(self, checkpoint: Checkpoint) -> Iterator[Accepted]:
         """Yield the steps that the strategy accepts after a checkpoint, before they are measured."""

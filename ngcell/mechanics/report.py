@@ -1,5 +1,4 @@
-"""What terms report to the certificate: checks, each with its limit and its meaning, and the scales they are taken in.
-"""
+"""What terms report to the certificate: checks, each with its limit and its meaning, and the scales they are taken in."""
 
 from __future__ import annotations
 
@@ -22,6 +21,8 @@ class Check:
         What the number is, in words.
     must_exceed : bool
         Whether the limit is a lower one.
+    place : str
+        Where it was measured; empty where that says nothing.
     """
 
     name: str
@@ -29,6 +30,7 @@ class Check:
     limit: float
     meaning: str
     must_exceed: bool = False
+    place: str = ""
 
     @property
     def passed(self) -> bool:

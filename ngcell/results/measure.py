@@ -15,7 +15,7 @@ from ngcell.problem.problem import Problem
 from ngcell.problem.reports import columns
 from ngcell.problem.state import State
 from ngcell.results.certificate import Certificate
-from ngcell.results.checks import Account, NodalForces, certify, scales_of
+from ngcell.results.checks import NodalForces, Path, certify, scales_of
 from ngcell.results.forces import ContactForces, body_resultants, contact_forces
 
 Array = NDArray[np.float64]
@@ -131,7 +131,7 @@ def measure(
     load_factor: float,
     proximal_force: Array,
     before: WorkPoint | None,
-    account: Account | None = None,
+    path: Path | None = None,
 ) -> Measurement:
     """Measure an accepted step.
 
@@ -149,9 +149,11 @@ def measure(
         Nodal forces that the proximal term exerts on the bodies [stress * length].
     before : WorkPoint, optional
         The accepted step before, of the same phase.
-    account : Account, optional
-        Where energy went, where that is known better than from the step before.
+    path : Path, optional
+        How the state was reached; by default nothing is known of it.
     """
+    path = path or Path()
+    account = path.account
     at = state.at
     gap = setup.facing.gaps(setup.walls, setup.walls.nodes(at.positions))
     internal, load = problem.force(at, Role.INTERNAL), -problem.force(at, Role.LOAD)
@@ -166,6 +168,8 @@ def measure(
         problem.drives(state.displacement, load_factor),
     )
     surplus = 0.0 if account is not None else _surplus_of_work(before or WorkPoint(), work)
+    if before is None and surplus < 0:
+        surplus = min(surplus + _stored_by_overlaps_at_rest(problem), 0.0)
     certificate = certify(
         problem,
         setup.walls,
@@ -174,7 +178,7 @@ def measure(
         forces,
         scales_of(problem.space, setup.modulus, work.energy),
         unstored_work=surplus,
-        account=account,
+        path=path,
     )
     return Measurement(
         gap=gap,
@@ -194,8 +198,8 @@ def _surplus_of_work(old: WorkPoint, now: WorkPoint) -> float:
     """Return the work of supports and loads minus the change of energy, as far as quadrature does not explain it.
 
     The work is taken by the trapezoidal rule, which for a monotonic force errs by at most half of the force's
-    change times the step. A surplus is energy that was released when walls snapped to another equilibrium; a deficit is
-    energy from nowhere, and never right.
+    change times the step. A surplus is energy that was released when walls snapped to another equilibrium. A deficit is
+    energy from nowhere where states follow each other; where each is selected by itself, both are a change of branch.
     """
     step = now.load_factor - old.load_factor
     work = step * (now.support_work_rate + old.support_work_rate) / 2
@@ -207,6 +211,12 @@ def _surplus_of_work(old: WorkPoint, now: WorkPoint) -> float:
         allowed += abs(shared) * (abs(fall) + abs(drive.rate - before.rate)) / 2
     mismatch = work - (now.energy - old.energy)
     return float(np.sign(mismatch) * max(abs(mismatch) - allowed, 0.0))
+
+
+def _stored_by_overlaps_at_rest(problem: Problem) -> float:
+    """Return the energy of contact at rest: where bodies overlap there, rest is no equilibrium, and sets energy free."""
+    rest = problem.space.configuration(np.zeros(problem.space.unknowns))
+    return max(sum(term.value(rest) for term in problem.terms if term.role is Role.INTERACTION), 0.0)
 
 
 def _held_by_nothing(problem: Problem, setup: Setup, forces: ContactForces, proximal_force: Array) -> tuple[int, ...]:
