@@ -16,8 +16,8 @@ from ngcell.problem.problem import Problem
 from ngcell.problem.reports import cell_fields
 from ngcell.problem.state import State
 from ngcell.results.cells import cell_records, debonding
-from ngcell.results.fields import Label, take_snapshot
 from ngcell.results.checks import Path
+from ngcell.results.fields import Label, take_snapshot
 from ngcell.results.finding import Finding, compare
 from ngcell.results.measure import Measurement, Setup, measure
 from ngcell.results.observables.observable import Observable, observed

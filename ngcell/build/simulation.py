@@ -110,7 +110,8 @@ class Simulation:
 
     @cached_property
     def _volume_stages(self) -> tuple[tuple[Term, ...], ...]:
-        """The terms of bodies and loads, from the bulk modulus that paths are followed with to the one that is meant."""
+        """The terms of bodies and loads, from the bulk modulus that paths are followed with to the one that is meant.
+        """
         bound, stages = self.options.solver.direct_bulk, []
         while bound < max(term.incompressibility for term in self._terms):
             stages.append(fused([term.softened(bound) for term in self._terms]))

@@ -1,4 +1,5 @@
-"""What terms report to the certificate: checks, each with its limit and its meaning, and the scales they are taken in."""
+"""What terms report to the certificate: checks, each with its limit and its meaning, and the scales they are taken in.
+"""
 
 from __future__ import annotations
 

@@ -90,7 +90,8 @@ class Bernstein:
 
     @cached_property
     def pieces(self) -> Array:
-        """The maps from coefficients on an element to those on its pieces, shape (pieces, coefficients, coefficients)."""
+        """The maps from coefficients on an element to those on its pieces, shape (pieces, coefficients, coefficients).
+        """
         maps = [_piece_maps(dimension) for dimension, _ in self._factors]
         found = []
         for chosen in product(*maps):
@@ -118,7 +119,7 @@ def _piece_maps(dimension: int) -> list[tuple[Array, Array]]:
     """Return the affine maps ``to + x by`` of a simplex onto its pieces."""
     corner = np.vstack([np.zeros(dimension), np.eye(dimension)])
     pieces = [
-        np.array([(corner[int(one)] + corner[int(two)]) / 2 for one, two in piece.split()])
+        np.array([corner[[int(number) for number in pair]].mean(0) for pair in piece.split()])
         for piece in _PIECES[dimension]
     ]
     return [(piece[0], piece[1:] - piece[0]) for piece in pieces]
@@ -129,7 +130,7 @@ def _exponents(dimension: int, degree: int) -> NDArray[np.int64]:
     """Return the exponents of barycentric coordinates, shape (polynomials, dimension + 1)."""
     every = np.array(list(product(range(degree + 1), repeat=dimension)), dtype=np.int64).reshape(-1, dimension)
     rest = degree - every.sum(1)
-    return np.column_stack([rest, every])[rest >= 0]
+    return np.asarray(np.column_stack([rest, every])[rest >= 0])
 
 
 def _values(dimension: int, degree: int, points: Array) -> Array:

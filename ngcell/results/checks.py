@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.contact.surface.edges import EdgeSurface
 from ngcell.contact.surface.surface import Surface
 from ngcell.mechanics.report import Check, Scales
 from ngcell.mechanics.space import DisplacementSpace
@@ -82,7 +83,8 @@ class NodalForces:
 
 
 def scales_of(space: DisplacementSpace, modulus: float, stored: float) -> Scales:
-    """Return what counts as nothing: force and energy of a wall of the softest shear modulus that is hardly strained."""
+    """Return what counts as nothing: force and energy of a wall of the softest shear modulus that is hardly strained.
+    """
     volume, thickness = float(space.one @ space.scalar_mass @ space.one), space.bodies.thickness
     return Scales(_SMALL_STRAIN * modulus * thickness, _SMALL_STRAIN**2 * modulus * volume, thickness, stored)
 
@@ -142,10 +144,10 @@ def certify(
 def _work_mismatch(unstored_work: float, parts: bool, path: Path) -> float:
     """Return the part of the work that is judged.
 
-    The tied solid follows one path, on which all work is stored. Released walls may snap, and release energy; but energy
-    that nothing supplied is wrong, where the state was reached from that before. Released states that are selected one
-    by one, each from its own tied state or lifting, may be on different branches, and either may store more: there it
-    is the tied state that bounds the energy, and the work between levels is reported only.
+    The tied solid follows one path, on which all work is stored. Released walls may snap, and release energy; but
+    energy that nothing supplied is wrong, where the state was reached from that before. Released states that are
+    selected one by one, each from its own tied state or lifting, may be on different branches, and either may store
+    more: there it is the tied state that bounds the energy, and the work between levels is reported only.
     """
     if not parts:
         return abs(unstored_work)
@@ -156,9 +158,10 @@ def _above(problem: Problem, at: Configuration, tied: Configuration) -> float:
     """Return by how much the potential of the released walls is above that of the tied state [stress * length**2].
 
     The tied state meets the prescribed values of the released walls, whose potential V + C is minimised: V is what is
-    stored, and what loads and fluids lose, C >= 0 that of contact and bonds. From ``V + C <= V_tied + C_tied`` follows
-    ``V <= V_tied + C_tied``. Tied walls touch, so that C_tied is zero but for corners that are left untied and overlap,
-    and for multipliers, whose term is not positive where walls do not overlap.
+    stored, and the potential of loads and fluids, C >= 0 the energy of contact and bonds. From ``V + C <= V_tied +
+    C_tied`` follows ``V <= V_tied + C_tied``. Tied walls touch, so that C_tied is small: what contact sees at corners,
+    some of which are left untied. With multipliers C is zero at the released state, whose conditions hold, and not
+    positive where walls do not overlap; then V_tied alone is the bound.
     """
     return max(_potential(problem, at) - _potential(problem, tied) - max(_interaction(problem, tied), 0.0), 0.0)
 
@@ -226,5 +229,5 @@ def _penetration(problem: Problem, walls: Surface, state: State) -> float:
     seen = deepest_overlap(problem.terms, state.at)
     if seen is None:
         return 0.0
-    shared = 0.0 if problem.dimension == 3 else depth_in_others(problem.space, walls, state.positions)
+    shared = depth_in_others(problem.space, walls, state.positions) if isinstance(walls, EdgeSurface) else 0.0
     return max(seen, deepest_overlap_of_bodies(problem.space, walls, state.positions), shared)

@@ -146,7 +146,8 @@ class _Cells:
 
     def without(self, numbers: Index) -> _Cells:
         """Return all others."""
-        return _Cells(*(np.delete(part, numbers, axis=0) for part in (self.upper, self.lower, self.element, self.path)))
+        rest = np.delete(np.arange(len(self.element)), numbers)
+        return _Cells(self.upper[rest], self.lower[rest], self.element[rest], self.path[rest])
 
     def divided(self, numbers: Index, pieces: Array) -> _Cells:
         """Return the pieces of some."""

@@ -214,7 +214,7 @@ def _surplus_of_work(old: WorkPoint, now: WorkPoint) -> float:
 
 
 def _stored_by_overlaps_at_rest(problem: Problem) -> float:
-    """Return the energy of contact at rest: where bodies overlap there, rest is no equilibrium, and sets energy free."""
+    """Return the energy of contact at rest: bodies that overlap there set it free."""
     rest = problem.space.configuration(np.zeros(problem.space.unknowns))
     return max(sum(term.value(rest) for term in problem.terms if term.role is Role.INTERACTION), 0.0)
 

@@ -121,7 +121,7 @@ def _check_sides(rise: float, distance: float) -> None:
     """
     if distance + rise <= 0:
         raise CaseError(
-            f"load: the upper plate moves by {rise:.6g} along y, and passes the lower one, which is {distance:.6g} below; "
+            f"load: the upper plate moves by {rise:.6g} along y and passes the lower one, {distance:.6g} below it; "
             f"allowed: a displacement along y above {-distance:.6g}"
         )
 
