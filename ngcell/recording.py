@@ -183,7 +183,13 @@ def _summary(
         "outcome": outcome,
         "certified": certified,
         "certificate": {
-            name: {"worst": check.value, "limit": check.limit, "passed": check.passed} for name, check in checks.items()
+            name: {
+                "worst": check.value,
+                "limit": check.limit,
+                "passed": check.passed,
+                **({"place": check.place} if check.place else {}),
+            }
+            for name, check in checks.items()
         },
         "meaning_of_checks": {name: check.meaning for name, check in checks.items()},
         "expected": [finding.table() for step in steps for finding in step.findings],
