@@ -151,7 +151,7 @@ def read_last_snapshot(folder: Path, name: str = "tissue") -> tuple[Snapshot, bo
         reader = open_reader(path)
         reader.set_active_time_value(reader.time_values[-1])
         bulk, walls = reader.read()
-        labels = bulk.field_data
+        labels, _ = bulk.field_data, walls.field_data[VERDICT]  # which a damaged file does not have
         step, load_factor, displacement = (labels[key][0] for key in ("step", "load_factor", "plate_displacement"))
         snapshot = Snapshot(int(step), float(load_factor), float(displacement), _grid(bulk), _grid(walls))
         return snapshot, labels[VERDICT][0] == CERTIFIED

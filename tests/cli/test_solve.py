@@ -17,7 +17,8 @@ from ngcell.scene import read_case
 from tests.cli.conftest import FakeRun
 
 CASE = "shear-empty-3x3"
-WRONG_TIMES = [(CASE, "--max-minutes", word) for word in ("0", "-1", "nan", "inf", "soon")]
+WRONG_NUMBERS = [(CASE, "--max-minutes", word) for word in ("0", "-1", "nan", "inf", "soon")]
+WRONG_NUMBERS += [(CASE, "--threads", "0"), (CASE, "--resume", ".", "--force")]
 
 
 def solve(*arguments: str) -> Result:
@@ -49,7 +50,7 @@ def test_progress_is_a_plain_line_for_each_step_where_there_is_no_terminal(
     lines = solve(CASE).stderr.splitlines()
     assert len(lines) == 5
     assert lines[2].startswith("step   2  released  load 0.6000  largest gap  2.000e-02  parted    2")
-    assert solve(CASE, "--quiet").stderr == ""
+    assert solve(CASE, "--quiet", "--force").stderr == ""
 
 
 def test_arguments_reach_the_run(fake_run: FakeRun, tmp_path: Path) -> None:
@@ -178,7 +179,14 @@ def refuse_writes(monkeypatch: pytest.MonkeyPatch, *, after: int, reason: int) -
 
 @pytest.mark.parametrize(
     "arguments",
-    [(), (CASE, "--threads", "0"), (CASE, "--set", "tissue.wall"), (CASE, "--loud"), (CASE, "and-another"), *WRONG_TIMES],
+    [
+        (),
+        (CASE, "--threads", "0"),
+        (CASE, "--set", "tissue.wall"),
+        (CASE, "--loud"),
+        (CASE, "and-another"),
+        *WRONG_NUMBERS,
+    ],
 )
 def test_wrong_usage_answers_2(fake_run: FakeRun, arguments: tuple[str, ...]) -> None:
     assert solve(*arguments).exit_code == 2
