@@ -25,7 +25,7 @@ from ngcell.results.certificate import worst
 from ngcell.results.growth import growth_onset
 from ngcell.results.record import StepRecord
 from ngcell.results.report import StepReport
-from ngcell.scene import AnyCase, resolved_toml
+from ngcell.scene import AnyCase, BodyScene, resolved_toml
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.step import StepFailed
 
@@ -42,7 +42,7 @@ class Recording:
 
     Parameters
     ----------
-    case : Case or BodyCase
+    case : Case, BodyCase or BodyScene
         What is simulated.
     out : Path
         The result folder.
@@ -79,7 +79,7 @@ class Recording:
 
     def __init__(
         self,
-        case: AnyCase,
+        case: AnyCase | BodyScene,
         out: Path,
         *,
         threads: int | None = None,
@@ -183,7 +183,13 @@ def _summary(
         "outcome": outcome,
         "certified": certified,
         "certificate": {
-            name: {"worst": check.value, "limit": check.limit, "passed": check.passed} for name, check in checks.items()
+            name: {
+                "worst": check.value,
+                "limit": check.limit,
+                "passed": check.passed,
+                **({"place": check.place} if check.place else {}),
+            }
+            for name, check in checks.items()
         },
         "meaning_of_checks": {name: check.meaning for name, check in checks.items()},
         "expected": [finding.table() for step in steps for finding in step.findings],

@@ -18,6 +18,7 @@ from ngcell.export import accepted_steps, cannot_resume, read_restart, read_summ
 from ngcell.recording import Recording, use_threads
 from ngcell.results.observables.observable import Observable
 from ngcell.scene import AnyCase, BodyScene, read_case, resolved_toml
+from ngcell.scene.written_bodies import is_from_python
 from ngcell.solve.step import StepFailed
 from ngcell.solve.strategies.strategy import Strategy
 
@@ -63,7 +64,7 @@ def simulate(
 
 
 def record(
-    case: AnyCase,
+    case: AnyCase | BodyScene,
     out: Path,
     *,
     threads: int | None = None,
@@ -71,7 +72,7 @@ def record(
     force: bool = False,
     max_minutes: float | None = None,
 ) -> Recording:
-    """Return a run of a case into a result folder; iterate over it to run it.
+    """Return a run of a case, or of a scene from Python, into a result folder; iterate over it to run it.
 
     Where the folder holds accepted steps of an earlier run, it is refused unless `force` is given; they are then
     replaced when this run accepts its first step. For the other parameters see `Recording`.
@@ -80,16 +81,32 @@ def record(
 
 
 def resume(
-    out: Path, *, threads: int | None = None, verify_penalty: bool = False, max_minutes: float | None = None
+    out: Path,
+    *,
+    scene: BodyScene | None = None,
+    threads: int | None = None,
+    verify_penalty: bool = False,
+    max_minutes: float | None = None,
 ) -> Recording:
     """Return the rest of a run that stopped; iterate over it to run it.
 
     Its steps up to the stop are kept, and it ends with the numbers that it would have had without the stop.
 
+    Parameters
+    ----------
+    out : Path
+        Its result folder.
+    scene : BodyScene, optional
+        The scene of a run that was made from Python, which no file holds in full.
+    threads : int, optional
+        Number of threads.
+    verify_penalty : bool
+        Whether the last level is repeated with a stiffer penalty.
+
     Raises
     ------
     OutputError
-        If the folder holds no run, or one that has ended, or is damaged.
+        If the folder holds no run, or one that has ended, or is damaged, or is of another scene.
     """
     how: dict[str, Any]
     out, how = Path(out), {"threads": threads, "verify_penalty": verify_penalty, "max_minutes": max_minutes}
@@ -98,19 +115,31 @@ def resume(
         raise OutputError(f"{out} needs no resuming: the run has ended ({summary.get('outcome')})")
     count = accepted_steps(out, summary)
     restore_case(out, summary)
-    try:
-        case = read_case(out / "case.toml")
-    except CaseError as error:
-        raise cannot_resume(out, str(error)) from error
+    case = scene or _recorded_case(out)
     if not count:
         return Recording(case, out, **how)
     restart = read_restart(out)
     if restart.case_text != resolved_toml(case):
-        raise cannot_resume(out, "case.toml is not the case of this run any more")
+        what = "case.toml is not the case of this run any more" if scene is None else "it was made from another scene"
+        raise cannot_resume(out, what)
     return Recording(case, out, restart=restart, **how)
 
 
-def inspect(case: AnyCase, *, options: Options | None = None) -> dict[str, Any]:
+def _recorded_case(out: Path) -> AnyCase:
+    """Return the case of a result folder."""
+    file = out / "case.toml"
+    if file.is_file() and is_from_python(file.read_text(encoding="utf-8", errors="replace")):
+        raise OutputError(
+            f"cannot resume {out} without its scene, which was made from Python; "
+            f'hand it over again: ngcell.resume("{out}", scene=...)'
+        )
+    try:
+        return read_case(file)
+    except CaseError as error:
+        raise cannot_resume(out, str(error)) from error
+
+
+def inspect(case: AnyCase | BodyScene, *, options: Options | None = None) -> dict[str, Any]:
     """Build a case without solving it, and return what would be solved."""
     simulation = Simulation(case, options=options)
     facing, walls = simulation.setup.facing, simulation.walls

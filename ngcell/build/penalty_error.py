@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from ngcell.build.simulation import Simulation
 from ngcell.clock import Clock
 from ngcell.errors import CaseError
 from ngcell.results.report import StepReport
-from ngcell.scene import AnyCase, Case, Mortar
+from ngcell.scene import AnyCase, BodyScene, Case, Mortar
 
 #: Factor on the stiffness. Errors of a penalty fall in proportion to it, so what moves is nearly the whole error.
 STIFFER = 10.0
@@ -16,7 +17,7 @@ STIFFER = 10.0
 _COMPARED = ("energy", "plate_force_x", "plate_force_y", "contact_force", "mean_gap", "largest_gap", "parted_pairs")
 
 
-def check_has_penalty(case: AnyCase) -> None:
+def check_has_penalty(case: AnyCase | BodyScene) -> None:
     """Check that there is a penalty to verify.
 
     Raises
@@ -28,12 +29,12 @@ def check_has_penalty(case: AnyCase) -> None:
         raise CaseError("contact.kind = 'mortar' has no penalty to verify; allowed: contact.kind = 'penalty'")
 
 
-def stiffer_result(case: AnyCase, last: StepReport, end: float | None = None) -> dict[str, Any]:
+def stiffer_result(case: AnyCase | BodyScene, last: StepReport, end: float | None = None) -> dict[str, Any]:
     """Return what the last level of a case becomes with a stiffer penalty.
 
     Parameters
     ----------
-    case : Case or BodyCase
+    case : Case, BodyCase or BodyScene
         The case, with contact by penalty.
     last : StepReport
         Its last accepted step, at its own stiffness.
@@ -55,10 +56,14 @@ def stiffer_result(case: AnyCase, last: StepReport, end: float | None = None) ->
         If it takes too long.
     """
     contact = case.contact.model_copy(update={"stiffness": STIFFER * case.contact.stiffness})
-    stiffer = case.model_copy(update={"contact": contact, "expected": ()})
+    stiffer: AnyCase | BodyScene
+    if isinstance(case, BodyScene):
+        stiffer = replace(case, contact=contact)
+    else:
+        stiffer = case.model_copy(update={"contact": contact, "expected": ()})
     if isinstance(case, Case):
         load = case.load.model_copy(update={"levels": (case.level_factors[-1],)})
-        stiffer = stiffer.model_copy(update={"load": load})
+        stiffer = case.model_copy(update={"contact": contact, "expected": (), "load": load})
     *_, step = Simulation(stiffer, Clock(end)).accepted_steps()
     overlaps = [_overlap(taken) for taken in (last, step.report)]
     table = {name: _compared(getattr(last.record, name), getattr(step.record, name)) for name in _COMPARED}

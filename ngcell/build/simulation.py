@@ -25,7 +25,7 @@ from ngcell.contact.pairing.facing import find_facing
 from ngcell.contact.surface.find import find_surface
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.symbolic import fused
-from ngcell.mechanics.term import Term
+from ngcell.mechanics.term import Configuration, Term
 from ngcell.problem.problem import Problem
 from ngcell.problem.reports import memory
 from ngcell.problem.tie import tie_walls
@@ -177,6 +177,7 @@ class Simulation:
             self.continuation,
             is_alone=self.bodies.body_count == 1,
             is_mixed=stiffest > softest,
+            stability=self.options.solver.stability,
         )
 
     @property
@@ -222,7 +223,8 @@ class Simulation:
         for accepted in self.follow(checkpoint):
             with self.clock.phase("measuring"):
                 problem = self.tied_problems[-1] if accepted.phase == "tied" else self.problem
-                step = self._observer.step(accepted, problem, checkpoint, perf_counter() - started)
+                tied = self._released_from(accepted, checkpoint)
+                step = self._observer.step(accepted, problem, checkpoint, perf_counter() - started, tied=tied)
                 step = replace(step, checkpoint=replace(step.checkpoint, memory=self._memory(accepted)))
                 checkpoint = step.checkpoint
             yield step
@@ -250,6 +252,14 @@ class Simulation:
         nothing = _NO_FORCE * self._moduli[0] * self.bodies.thickness ** (self.bodies.dimension - 1)
         overlap = self.contact.overlap(rest.at) or 0.0
         return force <= nothing and overlap <= _NO_OVERLAP * self.bodies.thickness
+
+    def _released_from(self, accepted: Accepted, checkpoint: Checkpoint) -> Configuration | None:
+        """Return the tied state at the load of a released step, if that was the step before."""
+        if accepted.phase == "tied" or "tied" not in checkpoint.displacement:
+            return None
+        if checkpoint.work["tied"].load_factor != accepted.load_factor:
+            return None
+        return self.tied_problems[-1].configuration(checkpoint.displacement["tied"])
 
     def follow(self, checkpoint: Checkpoint) -> Iterator[Accepted]:
         """Yield the steps that the strategy accepts after a checkpoint, before they are measured."""

@@ -144,10 +144,20 @@ class SymbolicTerm(Term):
         """
         return None
 
+    def finer(self, extra_degrees: int) -> SymbolicTerm | None:
+        """Return the term integrated by a rule of higher order; None where its own rule is not to be judged."""
+        return None
+
     @cached_property
     def form(self) -> EnergyForm:
         """The term by itself."""
         return EnergyForm(self.space, self.integrals)
+
+    @cached_property
+    def finer_form(self) -> EnergyForm | None:
+        """The term by itself, by a rule that integrates polynomials of twice the usual degree exactly, or more."""
+        term = self.finer(2 * self.space.order + 2)
+        return None if term is None else term.form
 
     def value(self, at: Configuration) -> float:
         """Return the energy; NaN where an element is inverted."""

@@ -80,7 +80,9 @@ def _resultants(acting: Interaction, count: int) -> ContactForces:
     for column, sign in enumerate((1, -1)):
         np.add.at(on_body, bodies[:, column], sign * sums)
         np.add.at(pressed, bodies[:, column], size)
-    return ContactForces(bodies, sums, on_body, pressed, np.bincount(place.ravel(), acting.normal, len(found)))
+    normal = np.zeros(len(found))
+    np.add.at(normal, place.ravel(), acting.normal)
+    return ContactForces(bodies, sums, on_body, pressed, normal)
 
 
 def body_resultants(space: DisplacementSpace, nodal_force: Array) -> Array:

@@ -34,7 +34,8 @@ def pressed_lengths(walls: Surface, pairs: NDArray[np.int64], problem: Problem, 
     ratio = walls.stretch(nodes, places) / walls.stretch(walls.rest, places)
     pressure, length = nominal.reshape(walls.weights.shape) / ratio, walls.weights * ratio
     for number, (one, two) in enumerate(pairs):
-        mine = [acting.facets[(acting.bodies == turn).all(1), side] for side, turn in enumerate(((one, two), (two, one)))]
+        turns = enumerate(((one, two), (two, one)))
+        mine = [acting.facets[(acting.bodies == turn).all(1), side] for side, turn in turns]
         facets = np.unique(np.concatenate(mine))
         if len(facets):
             is_pressed = pressure[facets] > _PRESSED * pressure[facets].max()

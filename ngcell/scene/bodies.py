@@ -219,6 +219,8 @@ class BodyScene:
         How the load path is followed; by default by single steps, and with cohesion by load stepping.
     observables : tuple of Observable
         What is measured besides what every run measures.
+    title : str
+        One line that says what happens.
 
     Raises
     ------
@@ -238,6 +240,7 @@ class BodyScene:
     cohesion: Any = None
     strategy: Any = None
     observables: tuple[Any, ...] = ()
+    title: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "bodies", sequence_of(self.bodies, Body, "bodies"))

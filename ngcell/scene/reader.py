@@ -9,12 +9,14 @@ import tomli_w
 from pydantic import ValidationError
 
 from ngcell.errors import CaseError
+from ngcell.scene.bodies import BodyScene
 from ngcell.scene.catalogue import find_case
 from ngcell.scene.complaint import CaseText, complaints
 from ngcell.scene.inheritance import read_table
 from ngcell.scene.kinds import AnyCase, kind_of_case
 from ngcell.scene.lines import KeyPath
 from ngcell.scene.overrides import apply_overrides, override_paths
+from ngcell.scene.written_bodies import written_bodies
 
 #: Keys that say how a scene is solved, or nothing about it: expected numbers hold whatever they are.
 _NOT_OF_THE_SCENE = {"title", "source", "strategy", "steps", "contact", "mesh"}
@@ -66,14 +68,18 @@ def case_title(file: Path) -> str:
     return str(read_table(file).table.get("title", ""))
 
 
-def resolved_toml(case: AnyCase) -> str:
+def resolved_toml(case: AnyCase | BodyScene) -> str:
     """Return the text of a case file that says everything, defaults included, and reads back equal.
+
+    Of a scene from Python the text says what can be said, and does not read back.
 
     Notes
     -----
     TOML has no "nothing": an optional number that the solver is left to choose does not appear. An object that a script
     handed over, and that no case file can say, appears by the name of its class.
     """
+    if isinstance(case, BodyScene):
+        return written_bodies(case)
     return tomli_w.dumps(case.model_dump(mode="json", exclude_none=True))
 
 

@@ -7,9 +7,9 @@
 
 Each scene runs through the command line or from Python in a process of its own, with a minute of processor time. The
 oracle reads the written files: it integrates the energy of the fields, samples J densely, intersects outlines with
-themselves and each other, measures lumens, bounds energies by tied ones, compares their slope with forces, and the whole
-with the mirrored, scaled or otherwise equal scene. Rows are kept in `tools/results/hostile.csv`, and `hostile.md` beside
-it tells what came of all. The exit code is 1 if a row is wrong, broken or over budget.
+themselves and each other, measures lumens, bounds energies by tied ones, compares their slope with forces, and the
+whole with the mirrored, scaled or otherwise equal scene. Rows are kept in `tools/results/hostile.csv`, and
+`hostile.md` beside it tells what came of all. The exit code is 1 if a row is wrong, broken or over budget.
 """
 
 from __future__ import annotations
@@ -155,7 +155,8 @@ def report(rows: list[Row], asked: int) -> str:
     head = (
         f"# Small scenes that were never seen before\n\n`python -m tools.extreme hostile` makes this: {len(rows)} of "
         f"{asked} scenes drawn at random, judged from\nthe written files by an oracle that shares nothing with the "
-        f"certificate. Seconds are those of the processor.\n\n- certified: {certified}, of which wrong: {counts[WRONG]}\n"
+        "certificate. Seconds are those of the processor.\n\n"
+        f"- certified: {certified}, of which wrong: {counts[WRONG]}\n"
         f"- not certified, with the reason named: {counts[NAMED]}\n- tracebacks: {counts[BROKEN]}\n"
         f"- over budget: {counts[OVER]}\n"
     )

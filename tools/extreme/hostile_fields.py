@@ -55,13 +55,13 @@ class Element:
         point, weight = np.polynomial.legendre.leggauss(_GAUSS)
         s, t = (axis.ravel() for axis in np.meshgrid((point + 1) / 2, (point + 1) / 2, indexing="ij"))
         weights = np.outer(weight, weight).ravel() / 4
-        return (np.column_stack([s, t]), weights) if self.is_quad else (np.column_stack([s, t * (1 - s)]), weights * (1 - s))
+        return (np.column_stack([s, t]), weights) if self.is_quad else (_collapsed(s, t), weights * (1 - s))
 
     @property
     def dense(self) -> Array:
         """Places all over it, its sides and corners among them."""
         s, t = (axis.ravel() for axis in np.meshgrid(*[np.linspace(0, 1, _ALONG)] * 2, indexing="ij"))
-        return np.column_stack([s, t]) if self.is_quad else np.column_stack([s, t * (1 - s)])
+        return np.column_stack([s, t]) if self.is_quad else _collapsed(s, t)
 
     @property
     def around(self) -> Array:
@@ -69,6 +69,11 @@ class Element:
         corners = np.array(_CORNERS[self.is_quad], dtype=float)
         share = np.linspace(0, 1, _ON_SIDE)[:, None]
         return np.array([a + share * (b - a) for a, b in zip(corners, np.roll(corners, -1, 0), strict=True)])
+
+
+def _collapsed(s: Array, t: Array) -> Array:
+    """Return places of a square in the triangle that it collapses to."""
+    return np.column_stack([s, t * (1 - s)])
 
 
 def _monomials(at: Array, powers: Index, slope_along: int | None = None) -> Array:
@@ -101,7 +106,7 @@ class Fields:
         """Return F, shape (elements, places, 2, 2), and the density of the reference map, (elements, places)."""
         _, slopes = self.element.values(at)
         before, after = (np.einsum("qsn,end->eqds", slopes, points) for points in (self.rest, self.moved))
-        return after @ np.linalg.inv(before), np.linalg.det(before)
+        return np.asarray(after @ np.linalg.inv(before)), np.asarray(np.linalg.det(before))
 
     @property
     def smallest_jacobian(self) -> float:
@@ -122,7 +127,8 @@ class Fields:
         first = np.trace(right, axis1=2, axis2=3) + 1
         squares = np.einsum("eqij,eqij->eq", right, right) + 1
         second = (first**2 - squares) / 2
-        stored = law["c1"] / 2 * (jacobian ** (-2 / 3) * first - 3) + law["c2"] / 2 * (jacobian ** (-4 / 3) * second - 3)
+        stored = law["c1"] / 2 * (jacobian ** (-2 / 3) * first - 3)
+        stored += law["c2"] / 2 * (jacobian ** (-4 / 3) * second - 3)
         stored += law["bulk_modulus"] / 2 * np.log(jacobian) ** 2
         return float((stored * np.abs(density) * weights).sum())
 
@@ -135,7 +141,7 @@ class Fields:
         """Return places around all elements, shape (elements, sides, points, 2)."""
         around = self.element.around
         values, _ = self.element.values(around.reshape(-1, 2))
-        return np.einsum("qn,end->eqd", values, points).reshape(len(points), *around.shape)
+        return np.asarray(np.einsum("qn,end->eqd", values, points)).reshape(len(points), *around.shape)
 
 
 def read_levels(folder: Path) -> Iterator[tuple[float, Fields]]:
@@ -253,7 +259,8 @@ def _inner_sides(sides: Array) -> Index | None:
     _, corner = np.unique(np.round(ends / scale, 7), axis=0, return_inverse=True)
     one, two = corner.reshape(-1, 2).T
     size = int(corner.max()) + 1
-    loops, of_corner = connected_components(sparse.csr_array((np.ones(len(one)), (one, two)), shape=(size, size)), directed=False)
+    graph = sparse.csr_array((np.ones(len(one)), (one, two)), shape=(size, size))
+    loops, of_corner = connected_components(graph, directed=False)
     if loops < 2:
         return None
     of_side = of_corner[one]

@@ -93,7 +93,9 @@ def _tissue(draw: Draw) -> Case:
 
 def _height(tissue: Case) -> float:
     rows, cols = tissue["rows"], tissue["cols"]
-    return 1.5 * (rows - 1) + 2 if tissue["orientation"] == "pointy" else sqrt(3) * (rows + (0.5 if cols > 1 else 0))
+    if tissue["orientation"] == "pointy":
+        return 1.5 * int(rows) + 0.5
+    return sqrt(3) * (int(rows) + (0.5 if cols > 1 else 0))
 
 
 def _case(draw: Draw, move: tuple[float, float], levels: Any, **more: Any) -> Case:
@@ -132,9 +134,9 @@ def _frame(draw: Draw) -> Case:
 
 def _pressure(draw: Draw) -> Case:
     case = _case(draw, (_number(draw, -0.3, 0.3), _number(draw, -0.1, 0.1)), _one(draw, 1, 2))
-    tissue, each = case["tissue"], lambda: round(float(draw.uniform(0, 0.03)), 4)
-    cells = [[each() for _ in range(tissue["cols"])] for _ in range(tissue["rows"])]
-    pressure = _one(draw, each(), each(), cells)
+    tissue = case["tissue"]
+    cells = draw.uniform(0, 0.03, (tissue["rows"], tissue["cols"])).round(4).tolist()
+    pressure = _one(draw, cells[0][0], cells[-1][-1], cells)
     return case | {"lumen": {"kind": "pressure", "pressure": pressure, "ramp": _one(draw, "with-load", "first")}}
 
 
@@ -188,7 +190,7 @@ def _stack(draw: Draw) -> Case:
 
 
 def _rings(draw: Draw) -> Case:
-    """A ring in a ring that is too narrow or too wide, under pressure or suction; or a disc in place of the inner one."""
+    """A ring in a ring that is too narrow or too wide, under pressure or suction."""
     bore, pressure = _number(draw, 0.85, 1.05), _one(draw, 0.0, _number(draw, 0.01, 0.1), _number(draw, -0.06, -0.01))
     bulk = _one(draw, 10.0, 100.0, 1000.0)
     material = {"kind": "mooney-rivlin", "c1": 0.6, "c2": 0.4, "bulk_modulus": bulk}
@@ -241,7 +243,10 @@ def scenes(seed: int = SEED) -> list[Scene]:
     """Return all scenes: one of each family in turn, so that the first ones are of all kinds."""
     rounds = max(count for _, count, *_ in FAMILIES)
     return [
-        _scene(seed, family, number) for number in range(rounds) for family, entry in enumerate(FAMILIES) if number < entry[1]
+        _scene(seed, family, number)
+        for number in range(rounds)
+        for family, entry in enumerate(FAMILIES)
+        if number < entry[1]
     ]
 
 

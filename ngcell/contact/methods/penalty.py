@@ -38,8 +38,10 @@ Index = NDArray[np.int64]
 DEEP, HIGH, NO_OVERLAP = 0.02, 0.01, 1e-7
 #: Overlap between the points of the rule over that at them, above which the rule is to blame and not the penalty terms.
 BETWEEN = 2.0
-#: Factor by which penalty terms that are too soft are made stiffer, and the most that all such factors make.
-STIFFEN, MOST_STIFFENED = 10.0, 1e4
+#: Factor by which penalty terms that are too soft are made stiffer, and the most that all such factors make. The
+#: derived stiffness is that of a layer that may spread along the wall; one that is confined is stiffer by the ratio of
+#: bulk to shear modulus, and is followed up to a ratio of 1e8.
+STIFFEN, MOST_STIFFENED = 10.0, 1e8
 
 
 @dataclass(frozen=True, eq=False)

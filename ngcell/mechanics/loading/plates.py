@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
 
+from ngcell.errors import CaseError
 from ngcell.geometry.bodies import LOWER_PLATE, UPPER_PLATE
 from ngcell.mechanics.loading.load import EndsOfPrisms, check_one_given
 from ngcell.mechanics.space import DisplacementSpace
@@ -47,10 +48,17 @@ class Plates(EndsOfPrisms):
         return self
 
     def motion(self, space: DisplacementSpace) -> PrescribedMotion:
-        """Return the motion: plates move rigidly; in between, the lifting grows in proportion to the height."""
+        """Return the motion: plates move rigidly; in between, the lifting grows in proportion to the height.
+
+        Raises
+        ------
+        CaseError
+            If the plates pass each other.
+        """
         height, moved = space.rest[1], self.prescribed_displacement(space)
         lower = height[_vertices(space, LOWER_PLATE)].max()
         upper = height[_vertices(space, UPPER_PLATE)].min()
+        _check_sides(moved[1], upper - lower)
 
         def lifting(at: Array) -> Array:
             return np.asarray(moved[:, None] * np.clip((at[1] - lower) / (upper - lower), 0, 1))
@@ -68,6 +76,19 @@ class Plates(EndsOfPrisms):
         elif self.stretch is not None:
             moved[1] = (self.stretch - 1) * np.ptp(space.bodies.extent[:, 1])
         return moved
+
+
+def _check_sides(rise: float, distance: float) -> None:
+    """Refuse plates that pass each other: what lies between them would be turned inside out.
+
+    Between the lowest point of the upper plate and the highest of the lower one, the lifting has the determinant ``1 +
+    rise / distance`` at load factor 1, and a larger one on the way if the plates approach.
+    """
+    if distance + rise <= 0:
+        raise CaseError(
+            f"load: the upper plate moves by {rise:.6g} along y and passes the lower one, {distance:.6g} below it; "
+            f"allowed: a displacement along y above {-distance:.6g}"
+        )
 
 
 def _vertices(space: DisplacementSpace, region: str) -> NDArray[np.int64]:

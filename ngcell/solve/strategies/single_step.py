@@ -69,4 +69,4 @@ def _incremental_step(released: Released, motion: Motion, displacement: Array, l
             continue
         displacement, reached = step.minimum.state.displacement, goal
         if reached == target:
-            return Accepted("released", target, step.minimum, released.effort - before)
+            return Accepted("released", target, step.minimum, released.effort - before, follows=True)
