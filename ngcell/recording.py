@@ -105,7 +105,7 @@ class Recording:
                             )
                         steps.append(step.report)
                         yield step.record
-                    verified = self._verified(steps)
+                    verified = self._verified(steps, getattr(simulation.contact, "raised", 1.0))
                 except StepFailed as failure:
                     outcome = failure.outcome
                     message = f"at load factor {failure.load_factor:.6g}: {outcome.value}"
@@ -129,11 +129,11 @@ class Recording:
         except (ValueError, KeyError, TypeError) as error:
             raise cannot_resume(self._out, f"what the continuation stood at does not fit the case ({error})") from error
 
-    def _verified(self, steps: list[StepReport]) -> dict[str, Any] | None:
+    def _verified(self, steps: list[StepReport], raised: float) -> dict[str, Any] | None:
         if not self._verify_penalty:
             return None
         try:
-            return stiffer_result(self._case, steps[-1])
+            return stiffer_result(self._case, steps[-1], raised)
         except StepFailed as failure:
             return {"failed": failure.outcome.value}
 
