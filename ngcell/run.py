@@ -14,7 +14,7 @@ from ngcell.build.options import Options
 from ngcell.build.simulation import OwnTerm, Simulation
 from ngcell.contact.pairing.facing import count_corners
 from ngcell.errors import CaseError, NotConverged, OutputError
-from ngcell.export import cannot_resume, read_restart, read_summary
+from ngcell.export import accepted_steps, cannot_resume, read_restart, read_summary, restore_case
 from ngcell.recording import Recording, use_threads
 from ngcell.results.observables.observable import Observable
 from ngcell.scene import AnyCase, BodyScene, read_case, resolved_toml
@@ -64,14 +64,29 @@ def simulate(
 
 
 def record(
-    case: AnyCase | BodyScene, out: Path, *, threads: int | None = None, verify_penalty: bool = False
+    case: AnyCase | BodyScene,
+    out: Path,
+    *,
+    threads: int | None = None,
+    verify_penalty: bool = False,
+    force: bool = False,
+    max_minutes: float | None = None,
 ) -> Recording:
-    """Return a run of a case, or of a scene from Python, into a result folder; iterate over it to run it."""
-    return Recording(case, out, threads=threads, verify_penalty=verify_penalty)
+    """Return a run of a case, or of a scene from Python, into a result folder; iterate over it to run it.
+
+    Where the folder holds accepted steps of an earlier run, it is refused unless `force` is given; they are then
+    replaced when this run accepts its first step. For the other parameters see `Recording`.
+    """
+    return Recording(case, out, threads=threads, verify_penalty=verify_penalty, force=force, max_minutes=max_minutes)
 
 
 def resume(
-    out: Path, *, scene: BodyScene | None = None, threads: int | None = None, verify_penalty: bool = False
+    out: Path,
+    *,
+    scene: BodyScene | None = None,
+    threads: int | None = None,
+    verify_penalty: bool = False,
+    max_minutes: float | None = None,
 ) -> Recording:
     """Return the rest of a run that stopped; iterate over it to run it.
 
@@ -93,18 +108,21 @@ def resume(
     OutputError
         If the folder holds no run, or one that has ended, or is damaged, or is of another scene.
     """
-    out = Path(out)
+    how: dict[str, Any]
+    out, how = Path(out), {"threads": threads, "verify_penalty": verify_penalty, "max_minutes": max_minutes}
     summary = read_summary(out)
     if summary.get("status") == "finished":
         raise OutputError(f"{out} needs no resuming: the run has ended ({summary.get('outcome')})")
+    count = accepted_steps(out, summary)
+    restore_case(out, summary)
     case = scene or _recorded_case(out)
-    if not summary.get("accepted_steps"):
-        return Recording(case, out, threads=threads, verify_penalty=verify_penalty)
+    if not count:
+        return Recording(case, out, **how)
     restart = read_restart(out)
     if restart.case_text != resolved_toml(case):
         what = "case.toml is not the case of this run any more" if scene is None else "it was made from another scene"
         raise cannot_resume(out, what)
-    return Recording(case, out, threads=threads, verify_penalty=verify_penalty, restart=restart)
+    return Recording(case, out, restart=restart, **how)
 
 
 def _recorded_case(out: Path) -> AnyCase:

@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 
 from ngcell.build.checkpoint import Checkpoint
 from ngcell.geometry.bodies import BodyMesh
+from ngcell.mechanics.term import Configuration
 from ngcell.problem.problem import Problem
 from ngcell.problem.reports import cell_fields
 from ngcell.problem.state import State
 from ngcell.results.cells import cell_records, debonding
+from ngcell.results.checks import Path
 from ngcell.results.fields import Label, take_snapshot
 from ngcell.results.finding import Finding, compare
 from ngcell.results.measure import Measurement, Setup, WorkPoint, measure
@@ -136,7 +138,15 @@ class Observer:
         onsets = PairOnsets.starting(0.0, self.gaps_at_rest, self._bodies.thickness)
         return Checkpoint(work={"tied": WorkPoint(), "released": WorkPoint()}, onsets=onsets)
 
-    def step(self, accepted: Accepted, problem: Problem, checkpoint: Checkpoint, seconds: float) -> Step:
+    def step(
+        self,
+        accepted: Accepted,
+        problem: Problem,
+        checkpoint: Checkpoint,
+        seconds: float,
+        *,
+        tied: Configuration | None = None,
+    ) -> Step:
         """Return what is reported of a step that follows a checkpoint.
 
         Parameters
@@ -149,8 +159,11 @@ class Observer:
             The one before it.
         seconds : float
             What it took, on the clock.
+        tied : Configuration, optional
+            The tied state at the same load that walls were released from.
         """
-        measured = self._measure(accepted, problem, checkpoint)
+        path = Path(accepted.follows, tied, accepted.account)
+        measured = self._measure(accepted, problem, checkpoint, path)
         after = checkpoint.after(accepted.phase, accepted.minimum.state.displacement, measured.work)
         view = View(problem, _state(accepted), self._setup.walls, self._setup.motion, measured.reaction)
         columns, fields = observed(self._observables, view)
@@ -192,7 +205,7 @@ class Observer:
             checkpoint=replace(step.checkpoint, onsets=onsets),
         )
 
-    def _measure(self, accepted: Accepted, problem: Problem, checkpoint: Checkpoint) -> Measurement:
+    def _measure(self, accepted: Accepted, problem: Problem, checkpoint: Checkpoint, path: Path) -> Measurement:
         state, proximal = _state(accepted), accepted.minimum.proximal
         return measure(
             self._setup,
@@ -201,7 +214,7 @@ class Observer:
             load_factor=accepted.load_factor,
             proximal_force=-proximal.gradient(state.displacement, problem.mass),
             before=checkpoint.work.get(accepted.phase),
-            account=accepted.account,
+            path=path,
         )
 
     def _components(self, problem: Problem, measured: Measurement) -> CellComponents:

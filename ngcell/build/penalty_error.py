@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from ngcell.build.simulation import Simulation
+from ngcell.clock import Clock
 from ngcell.errors import CaseError
 from ngcell.results.report import StepReport
 from ngcell.scene import AnyCase, BodyScene, Case, Mortar
@@ -28,7 +29,9 @@ def check_has_penalty(case: AnyCase | BodyScene) -> None:
         raise CaseError("contact.kind = 'mortar' has no penalty to verify; allowed: contact.kind = 'penalty'")
 
 
-def stiffer_result(case: AnyCase | BodyScene, last: StepReport, raised: float = 1.0) -> dict[str, Any]:
+def stiffer_result(
+    case: AnyCase | BodyScene, last: StepReport, raised: float = 1.0, *, end: float | None = None
+) -> dict[str, Any]:
     """Return what the last level of a case becomes with a stiffer penalty.
 
     Parameters
@@ -39,6 +42,8 @@ def stiffer_result(case: AnyCase | BodyScene, last: StepReport, raised: float = 
         Its last accepted step, at its own stiffness.
     raised : float
         Factor by which penalty terms had been made stiffer by the end of the run, since they were too soft.
+    end : float, optional
+        When that has to end, as `time.monotonic` tells it [s].
 
     Returns
     -------
@@ -51,6 +56,8 @@ def stiffer_result(case: AnyCase | BodyScene, last: StepReport, raised: float = 
     ------
     StepFailed
         If the stiffer problem finds no equilibrium.
+    OutOfTime
+        If it takes too long.
     """
     contact = case.contact.model_copy(update={"stiffness": STIFFER * raised * case.contact.stiffness})
     stiffer: AnyCase | BodyScene
@@ -61,7 +68,7 @@ def stiffer_result(case: AnyCase | BodyScene, last: StepReport, raised: float = 
     if isinstance(case, Case):
         load = case.load.model_copy(update={"levels": (case.level_factors[-1],)})
         stiffer = case.model_copy(update={"contact": contact, "expected": (), "load": load})
-    *_, step = Simulation(stiffer).accepted_steps()
+    *_, step = Simulation(stiffer, Clock(end)).accepted_steps()
     overlaps = [_overlap(taken) for taken in (last, step.report)]
     table = {name: _compared(getattr(last.record, name), getattr(step.record, name)) for name in _COMPARED}
     return {"stiffness_factor": STIFFER, **table, "penetration_over_wall": _compared(*overlaps)}

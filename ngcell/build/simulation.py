@@ -25,7 +25,7 @@ from ngcell.contact.pairing.facing import find_facing
 from ngcell.contact.surface.find import find_surface
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.symbolic import fused
-from ngcell.mechanics.term import Term
+from ngcell.mechanics.term import Configuration, Term
 from ngcell.problem.problem import Problem
 from ngcell.problem.reports import memory
 from ngcell.problem.tie import tie_walls
@@ -44,7 +44,7 @@ from ngcell.solve.strategies.strategy import Strategy, Task
 Array = NDArray[np.float64]
 OwnTerm = Callable[[DisplacementSpace], Term]
 
-#: Surface that face each other nearer than this share of their thickness count as touching at rest.
+#: Walls that face each other nearer than this share of their thickness count as touching at rest.
 _TOUCHING = 0.05
 #: Forces at rest, as shares of modulus and thickness, and overlaps, as shares of the thickness, that count as none:
 #: round-off, and what curved elements of two meshes leave between them.
@@ -177,6 +177,7 @@ class Simulation:
             self.continuation,
             is_alone=self.bodies.body_count == 1,
             is_mixed=stiffest > softest,
+            stability=self.options.solver.stability,
         )
 
     @property
@@ -201,8 +202,7 @@ class Simulation:
 
     def _minimiser(self, problem: Problem, longest_step: float) -> Minimiser:
         volume = float(self.space.one @ self.space.scalar_mass @ self.space.one)
-        scale = self._moduli[1] * volume
-        options = self.options.solver.minimiser
+        scale, options = self._moduli[1] * volume, self.options.solver.minimiser
         return Minimiser(problem, longest_step, energy_scale=scale, options=options, clock=self.clock)
 
     @property
@@ -223,7 +223,8 @@ class Simulation:
         for accepted in self.follow(checkpoint):
             with self.clock.phase("measuring"):
                 problem = self.tied_problems[-1] if accepted.phase == "tied" else self.problem
-                step = self._observer.step(accepted, problem, checkpoint, perf_counter() - started)
+                tied = self._released_from(accepted, checkpoint)
+                step = self._observer.step(accepted, problem, checkpoint, perf_counter() - started, tied=tied)
                 step = replace(step, checkpoint=replace(step.checkpoint, memory=self._memory(accepted)))
                 checkpoint = step.checkpoint
             yield step
@@ -252,6 +253,14 @@ class Simulation:
         overlap = self.contact.overlap(rest.at) or 0.0
         return force <= nothing and overlap <= _NO_OVERLAP * self.bodies.thickness
 
+    def _released_from(self, accepted: Accepted, checkpoint: Checkpoint) -> Configuration | None:
+        """Return the tied state at the load of a released step, if that was the step before."""
+        if accepted.phase == "tied" or "tied" not in checkpoint.displacement:
+            return None
+        if checkpoint.work["tied"].load_factor != accepted.load_factor:
+            return None
+        return self.tied_problems[-1].configuration(checkpoint.displacement["tied"])
+
     def follow(self, checkpoint: Checkpoint) -> Iterator[Accepted]:
         """Yield the steps that the strategy accepts after a checkpoint, before they are measured."""
         task = Task(self, self.motion, self._steps(), self.levels, self.options.solver)
@@ -269,7 +278,7 @@ class Simulation:
 
     def _steps(self) -> list[float]:
         """Return the load factors of all steps: the levels, with equal steps between them where more are asked for."""
-        levels, count = self.levels, self._case.smallest_step_count
+        levels, count = self.levels, self.strategy.steps or self._case.smallest_step_count
         length = float(np.abs(np.diff(levels, prepend=0.0)).sum())
         steps, before = [], 0.0
         for level in levels:

@@ -34,13 +34,20 @@ class BodyEnergy(SymbolicTerm):
     fibre_direction : array of float, shape (elements, 2), of solids (elements, 6), optional
         Unit vector in the plane from which angles of fibres are measured, in each element, and of solids the one
         towards which they are; needed where a law has any.
+    extra_degrees : int
+        Degrees that the rule integrates exactly besides the usual ones.
     """
 
     def __init__(
-        self, space: DisplacementSpace, laws: Sequence[HyperelasticLaw], fibre_direction: Array | None = None
+        self,
+        space: DisplacementSpace,
+        laws: Sequence[HyperelasticLaw],
+        fibre_direction: Array | None = None,
+        *,
+        extra_degrees: int = 0,
     ) -> None:
         self.space, self.laws = space, tuple(laws)
-        self._direction = fibre_direction
+        self._direction, self._extra = fibre_direction, extra_degrees
 
     def integrals(self, displacement: ngsolve.CoefficientFunction) -> Integrals:
         """Yield the stored energy of each material."""
@@ -52,7 +59,12 @@ class BodyEnergy(SymbolicTerm):
             energy = law.stored_energy(gradient)
             if law.fibres is not None:
                 energy += law.fibres.stored_energy(gradient, direction)
-            yield energy.Compile() * ngsolve.dx(definedon=self.space.bodies.mesh.Materials(members))
+            region = self.space.bodies.mesh.Materials(members)
+            yield energy.Compile() * ngsolve.dx(definedon=region, bonus_intorder=self._extra)
+
+    def finer(self, extra_degrees: int) -> BodyEnergy:
+        """Return the energy by a rule of higher order."""
+        return BodyEnergy(self.space, self.laws, self._direction, extra_degrees=extra_degrees)
 
     def stress(self, gradient: Array, element: Index) -> Array:
         """Return the Cauchy stress [stress], shape (n, 3, 3); zero in what fills lumens."""
@@ -86,17 +98,26 @@ class InclusionEnergy(SymbolicTerm):
         The unknowns.
     law : HyperelasticLaw
         Its law, with an isochoric and a volumetric part.
+    extra_degrees : int
+        Degrees that the rule of the isochoric part integrates exactly besides the usual ones.
     """
 
-    def __init__(self, space: DisplacementSpace, law: HyperelasticLaw) -> None:
-        self.space, self.law = space, law
+    def __init__(self, space: DisplacementSpace, law: HyperelasticLaw, *, extra_degrees: int = 0) -> None:
+        self.space, self.law, self._extra = space, law, extra_degrees
 
     def integrals(self, displacement: ngsolve.CoefficientFunction) -> Integrals:
         """Return the isochoric energy, and the volumetric one by a reduced rule."""
         gradient = ngsolve.Id(self.space.dimension) + ngsolve.Grad(displacement)
         region = self.space.bodies.mesh.Materials(FILLING)
         isochoric, volumetric = (part.Compile() for part in self.law.energy_parts(gradient))
-        return [isochoric * ngsolve.dx(definedon=region), volumetric * self._reduced]
+        return [isochoric * ngsolve.dx(definedon=region, bonus_intorder=self._extra), volumetric * self._reduced]
+
+    def finer(self, extra_degrees: int) -> InclusionEnergy:
+        """Return the energy with its isochoric part by a rule of higher order.
+
+        The reduced rule of the volumetric part stays: it is no approximation of an integral, but the mixed method.
+        """
+        return InclusionEnergy(self.space, self.law, extra_degrees=extra_degrees)
 
     @property
     def _reduced(self) -> ngsolve.comp.DifferentialSymbol:

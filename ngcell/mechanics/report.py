@@ -22,6 +22,8 @@ class Check:
         What the number is, in words.
     must_exceed : bool
         Whether the limit is a lower one.
+    place : str
+        Where it was measured; empty where that says nothing.
     """
 
     name: str
@@ -29,6 +31,7 @@ class Check:
     limit: float
     meaning: str
     must_exceed: bool = False
+    place: str = ""
 
     @property
     def passed(self) -> bool:

@@ -18,28 +18,39 @@ LIMITS = {
     "penetration_over_wall": 0.02,
     "body_balance": 1e-3,
     "plate_balance": 1e-3,
+    "self_penetration_over_wall": 0.02,
     "smallest_jacobian": 0.0,
+    "quadrature_error": 0.02,
     "stabilisation": 1e-3,
     "work_mismatch": 1e-3,
+    "energy_above_tied": 1e-3,
     "energy_balance": 1e-3,
 }
 _MEANING = {
     "residual": "norm of the forces out of balance, beyond those that last digits of positions stand for, over that of "
     "the internal forces",
-    "penetration_over_wall": "deepest overlap, from contact and from outlines, over the thinnest wall",
+    "penetration_over_wall": "deepest overlap, from contact, from outlines and, in the plane, from areas that two "
+    "bodies share, over the thinnest wall",
+    "self_penetration_over_wall": "thickness of what a body covers twice, lumens inside out included, over the "
+    "thinnest wall; in the plane",
     "body_balance": "largest force out of balance on a body over the largest force in play",
     "plate_balance": "sum of all support forces over the largest force in play",
-    "smallest_jacobian": "smallest ratio of deformed to reference volume; must exceed the limit",
+    "smallest_jacobian": "lower bound of the ratio of deformed to reference volume anywhere in elements; must "
+    "exceed the limit",
+    "quadrature_error": "stored energy by a rule of twice the degree minus that reported, over the energy",
     "stabilisation": "norm of the nodal forces of the proximal term that is left over that of the internal forces",
-    "work_mismatch": "work of the supports minus change of energy, beyond quadrature, over the energy; tied steps",
+    "work_mismatch": "work of supports and loads minus change of energy, beyond quadrature along the load path, over "
+    "the energy; of tied steps, and where it lacks, of released steps that start from the step before",
+    "energy_above_tied": "potential of the released walls above that of the tied state at the same load, over the "
+    "energy; released steps of SDDP",
     "energy_balance": "work minus change of stored energy, energy of separation and losses, over what a step moves; "
     "with a history",
 }
 
 
-def common_check(name: str, value: float) -> Check:
+def common_check(name: str, value: float, place: str = "") -> Check:
     """Return a check of all scenes."""
-    return Check(name, value, LIMITS[name], _MEANING[name], must_exceed=name == "smallest_jacobian")
+    return Check(name, value, LIMITS[name], _MEANING[name], must_exceed=name == "smallest_jacobian", place=place)
 
 
 @dataclass(frozen=True)

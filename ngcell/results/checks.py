@@ -8,16 +8,20 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.contact.surface.edges import EdgeSurface
 from ngcell.contact.surface.surface import Surface
 from ngcell.mechanics.report import Check, Scales
 from ngcell.mechanics.space import DisplacementSpace
+from ngcell.mechanics.term import Configuration, Role
 from ngcell.problem.problem import Problem
 from ngcell.problem.reports import checks, deepest_overlap
 from ngcell.problem.state import State
 from ngcell.results.certificate import LIMITS, Certificate, common_check
-from ngcell.results.fields import jacobian_range
+from ngcell.results.covered_twice import depth_in_itself, depth_in_others
 from ngcell.results.forces import ContactForces, body_resultants
+from ngcell.results.jacobian import smallest_jacobian
 from ngcell.results.overlap import deepest_overlap_of_bodies
+from ngcell.results.quadrature import quadrature_error
 
 Array = NDArray[np.float64]
 
@@ -35,6 +39,25 @@ class Account(Protocol):
     @property
     def mismatch_share(self) -> float:
         """Work minus the change of all energies and losses, over the energy that the step moved."""
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """How a step was reached.
+
+    Attributes
+    ----------
+    follows : bool
+        Whether it was reached from the state of the step before, of the same phase.
+    tied : Configuration, optional
+        The tied state at the same load that walls were released from.
+    account : Account, optional
+        Where energy went, of a scene with a history.
+    """
+
+    follows: bool = False
+    tied: Configuration | None = None
+    account: Account | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +98,7 @@ def certify(
     scales: Scales,
     *,
     unstored_work: float,
-    account: Account | None = None,
+    path: Path,
 ) -> Certificate:
     """Judge a step.
 
@@ -95,27 +118,76 @@ def certify(
         What counts as nothing.
     unstored_work : float
         Work since the step before that is not stored [stress * length**2].
-    account : Account, optional
-        Where energy went, of a scene with a history.
+    path : Path
+        How the state was reached.
     """
     space, parts = problem.space, problem.unknowns.lets_bodies_part
     held, loaded = body_resultants(space, nodal.reaction), body_resultants(space, nodal.load)
     largest = max(_largest(forces.force), _largest(held), scales.force)
     on_body = _largest(forces.on_body + held + loaded) if parts else 0.0
-    # Released levels do not follow each other: their work is reported, and not judged.
-    mismatch = 0.0 if parts else abs(unstored_work)
     common = {
         "residual": _residual(problem, state, nodal, scales),
         "penetration_over_wall": _penetration(problem, walls, state) / scales.thickness,
         "body_balance": on_body / largest,
         "plate_balance": float(np.linalg.norm((held + loaded).sum(0))) / largest,
-        "smallest_jacobian": jacobian_range(space, state.at.displacement)[0],
+        "quadrature_error": quadrature_error(problem.terms, state.at) / scales.at_stake,
         "stabilisation": _share(nodal.proximal, nodal.internal, scales),
-        "work_mismatch": mismatch / scales.at_stake,
-        **({} if account is None else {"energy_balance": account.mismatch_share}),
+        "work_mismatch": _work_mismatch(unstored_work, parts, path) / scales.at_stake,
+        **({} if path.account is None else {"energy_balance": path.account.mismatch_share}),
+        **({} if path.tied is None else {"energy_above_tied": _above(problem, state.at, path.tied) / scales.at_stake}),
     }
     found: list[Check] = [common_check(name, value) for name, value in common.items()]
+    found += [_smallest_jacobian(space, state), *_self_penetration(space, state, scales)]
     return Certificate((*found, *checks(problem.terms, state.at, scales)))
+
+
+def _work_mismatch(unstored_work: float, parts: bool, path: Path) -> float:
+    """Return the part of the work that is judged.
+
+    The tied solid follows one path, on which all work is stored. Released walls may snap, and release energy; but
+    energy that nothing supplied is wrong, where the state was reached from that before. Released states that are
+    selected one by one, each from its own tied state or lifting, may be on different branches, and either may store
+    more: there it is the tied state that bounds the energy, and the work between levels is reported only.
+    """
+    if not parts:
+        return abs(unstored_work)
+    return max(-unstored_work, 0.0) if path.follows else 0.0
+
+
+def _above(problem: Problem, at: Configuration, tied: Configuration) -> float:
+    """Return by how much the potential of the released walls is above that of the tied state [stress * length**2].
+
+    The tied state meets the prescribed values of the released walls, whose potential V + C is minimised: V is what is
+    stored, and the potential of loads and fluids, C >= 0 the energy of contact and bonds. From ``V + C <= V_tied +
+    C_tied`` follows ``V <= V_tied + C_tied``. Tied walls touch, so that C_tied is small: what contact sees at corners,
+    some of which are left untied. With multipliers C is zero at the released state, whose conditions hold, and not
+    positive where walls do not overlap; then V_tied alone is the bound.
+    """
+    return max(_potential(problem, at) - _potential(problem, tied) - max(_interaction(problem, tied), 0.0), 0.0)
+
+
+def _potential(problem: Problem, at: Configuration) -> float:
+    return sum(term.value(at) for term in problem.terms if term.role is not Role.INTERACTION)
+
+
+def _interaction(problem: Problem, at: Configuration) -> float:
+    return sum(term.value(at) for term in problem.terms if term.role is Role.INTERACTION)
+
+
+def _smallest_jacobian(space: DisplacementSpace, state: State) -> Check:
+    found = smallest_jacobian(space, state.at.displacement)
+    body = space.bodies.body_names[space.bodies.body_of_element[found.element]]
+    at = ", ".join(f"{coordinate:.4g}" for coordinate in found.point)
+    return common_check("smallest_jacobian", found.value, f"{body}, element {found.element}, about ({at}) at rest")
+
+
+def _self_penetration(space: DisplacementSpace, state: State, scales: Scales) -> tuple[Check, ...]:
+    """Return how deep bodies lie in themselves; nothing in three dimensions, where that is not looked for."""
+    if space.dimension == 3:
+        return ()
+    depth, body = depth_in_itself(space, state.positions)
+    place = space.bodies.body_names[body] if depth > 0 else ""
+    return (common_check("self_penetration_over_wall", depth / scales.thickness, place),)
 
 
 def _largest(forces: Array) -> float:
@@ -157,4 +229,5 @@ def _penetration(problem: Problem, walls: Surface, state: State) -> float:
     seen = deepest_overlap(problem.terms, state.at)
     if seen is None:
         return 0.0
-    return max(seen, deepest_overlap_of_bodies(problem.space, walls, state.positions))
+    shared = depth_in_others(problem.space, walls, state.positions) if isinstance(walls, EdgeSurface) else 0.0
+    return max(seen, deepest_overlap_of_bodies(problem.space, walls, state.positions), shared)

@@ -14,19 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.contact.surface.surface import Surface
-from ngcell.errors import GeometryError
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.term import Configuration
 from ngcell.problem.problem import Problem
 from ngcell.problem.reports import stress as cauchy_stress
 from ngcell.results.patterns import Pattern, pattern_of, wall_pattern
+from ngcell.results.places import element_type, map_points
 from ngcell.results.snapshot import Grid, Snapshot
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
-
-#: Elements that can be drawn, in the plane and in three dimensions; a mesh has one kind only.
-_DRAWN = ({ngsolve.ET.QUAD}, {ngsolve.ET.TRIG}, {ngsolve.ET.TET}, {ngsolve.ET.HEX}, {ngsolve.ET.PRISM})
 
 
 @dataclass(frozen=True)
@@ -92,36 +89,11 @@ def take_snapshot(
     )
 
 
-def jacobian_range(space: DisplacementSpace, displacement: Array) -> tuple[float, float]:
-    """Return the smallest and the largest J = det F [1].
-
-    They are taken over the quadrature points of the stored energy, and over the points that elements are drawn with.
-
-    Parameters
-    ----------
-    space : DisplacementSpace
-        The unknowns of the bodies, all of elements of one kind.
-    displacement : array of float, shape (unknowns,)
-        The displacement of all unknowns [length].
-
-    Raises
-    ------
-    GeometryError
-        If the mesh has elements of several kinds, or pyramids.
-    """
-    kind = _element_type(space)
-    quadrature = ngsolve.IntegrationRule(kind, 2 * space.order).points
-    lattice = pattern_of(kind, space.order).points
-    places = _map(space, kind, np.vstack([np.array(quadrature)[:, : space.dimension], lattice]))
-    jacobian = np.linalg.det(_deformation_gradient(space, displacement, places))
-    return float(jacobian.min()), float(jacobian.max())
-
-
 def _bulk_grid(problem: Problem, displacement: Array, body_data: Mapping[str, NDArray[np.generic]]) -> Grid:
     space = problem.space
-    kind = _element_type(space)
+    kind = element_type(space)
     pattern = pattern_of(kind, space.order)
-    places = _map(space, kind, pattern.points)
+    places = map_points(space, kind, pattern.points)
     body = space.bodies.body_of_element[places["nr"]]
     gradient = _deformation_gradient(space, displacement, places)
     stress = cauchy_stress(problem.terms, gradient, places["nr"])
@@ -157,21 +129,6 @@ def _walls_grid(walls: Surface, displacement: Array, wall_data: Mapping[str, Arr
         },
         cell_data={"cell_id": walls.body},
     )
-
-
-def _element_type(space: DisplacementSpace) -> ngsolve.ET:
-    kinds = {element.type for element in space.bodies.mesh.Elements(ngsolve.VOL)}
-    if kinds not in _DRAWN:
-        names = ", ".join(sorted(kind.name for kind in kinds)) or "no elements"
-        possible = " or ".join(f"only {kind.name}" for one in _DRAWN for kind in one)
-        raise GeometryError(f"the mesh holds {names}; {possible} is possible: mesh all bodies alike")
-    return kinds.pop()
-
-
-def _map(space: DisplacementSpace, kind: ngsolve.ET, points: Array) -> NDArray[np.void]:
-    """Return where reference points lie in all elements, element by element; `nr` is the element's number."""
-    rule = ngsolve.IntegrationRule(points=[tuple(point) for point in points], weights=[0.0] * len(points))
-    return np.asarray(space.bodies.mesh.MapToAllElements({kind: rule}, ngsolve.VOL))
 
 
 def _deformation_gradient(space: DisplacementSpace, displacement: Array, places: NDArray[np.void]) -> Array:

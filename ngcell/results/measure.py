@@ -15,7 +15,7 @@ from ngcell.problem.problem import Problem
 from ngcell.problem.reports import columns
 from ngcell.problem.state import State
 from ngcell.results.certificate import Certificate
-from ngcell.results.checks import Account, NodalForces, certify, scales_of
+from ngcell.results.checks import NodalForces, Path, certify, scales_of
 from ngcell.results.forces import ContactForces, body_resultants, contact_forces
 
 Array = NDArray[np.float64]
@@ -131,7 +131,7 @@ def measure(
     load_factor: float,
     proximal_force: Array,
     before: WorkPoint | None,
-    account: Account | None = None,
+    path: Path | None = None,
 ) -> Measurement:
     """Measure an accepted step.
 
@@ -150,9 +150,11 @@ def measure(
     before : WorkPoint, optional
         The accepted step before, of the same phase, or rest; None where no equilibrium before this one is known, and
         so no work to it.
-    account : Account, optional
-        Where energy went, where that is known better than from the step before.
+    path : Path, optional
+        How the state was reached; by default nothing is known of it.
     """
+    path = path or Path()
+    account = path.account
     at = state.at
     gap = setup.facing.gaps(setup.walls, setup.walls.nodes(at.positions))
     internal, load = problem.force(at, Role.INTERNAL), -problem.force(at, Role.LOAD)
@@ -175,7 +177,7 @@ def measure(
         forces,
         scales_of(problem.space, setup.modulus, work.energy),
         unstored_work=surplus,
-        account=account,
+        path=path,
     )
     return Measurement(
         gap=gap,
@@ -195,8 +197,8 @@ def _surplus_of_work(old: WorkPoint, now: WorkPoint) -> float:
     """Return the work of supports and loads minus the change of energy, as far as quadrature does not explain it.
 
     The work is taken by the trapezoidal rule, which for a monotonic force errs by at most half of the force's
-    change times the step. A surplus is energy that was released when walls snapped to another equilibrium; a deficit is
-    energy from nowhere, and never right.
+    change times the step. A surplus is energy that was released when walls snapped to another equilibrium. A deficit is
+    energy from nowhere where states follow each other; where each is selected by itself, both are a change of branch.
     """
     step = now.load_factor - old.load_factor
     work = step * (now.support_work_rate + old.support_work_rate) / 2

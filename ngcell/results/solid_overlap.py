@@ -3,19 +3,24 @@
 As in the plane (`ngcell.results.outline_overlap`) this shares nothing with the contact search: the whole surface of
 each body, walls or not, becomes a closed polyhedron, and points of every wall are tested against the polyhedra of all
 other bodies. A polyhedron follows each facet by triangles, so a depth is right to about the facet's sagitta over the
-square of their number along a side; where points seem to lie deepest, the polyhedron is made finer.
+square of their number along a side; where points seem to lie deepest, the polyhedron is made finer. Centres of elements
+are tested as well: where two bodies are at the same place, no wall point is inside the other. A solid that passes
+through itself is not seen here.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 
+import ngsolve
 import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.contact.surface.facets import FacetSurface, find_facets
 from ngcell.geometry.enclosure import winding_numbers
 from ngcell.mechanics.space import DisplacementSpace
+from ngcell.results.bernstein import FACTORS
+from ngcell.results.places import element_type, map_points
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -39,8 +44,9 @@ def deepest_overlap_of_solids(walls: FacetSurface, space: DisplacementSpace, pos
         Deformed positions as unknowns [length].
     """
     xi = np.concatenate([walls.quadrature_points, walls.basis.nodes])
-    point = (walls.basis.values(xi) @ walls.nodes(positions)).reshape(-1, 3)
-    owner = np.repeat(walls.body, len(xi))
+    centre = _centres(space, positions)
+    point = np.concatenate([(walls.basis.values(xi) @ walls.nodes(positions)).reshape(-1, 3), centre])
+    owner = np.concatenate([np.repeat(walls.body, len(xi)), space.bodies.body_of_element])
     surface = find_facets(replace(space.bodies, wall_names=".*"), space.scalar, space.rest)
     nodes, found = surface.nodes(positions), []
     for number in np.unique(surface.body) if len(point) else ():
@@ -64,6 +70,15 @@ def _finer_depth(surface: FacetSurface, nodes: Array, mine: Index, point: Array,
     parts = [_triangles(surface, nodes, mine[near], _FINE_PIECES), _triangles(surface, nodes, mine[~near], _PIECES)]
     triangles = np.concatenate(parts)
     return float(_distances(_inside(point, triangles), triangles).max(initial=0.0))
+
+
+def _centres(space: DisplacementSpace, positions: Array) -> Array:
+    """Return the deformed centres of all elements, shape (elements, 3)."""
+    kind = element_type(space)
+    centre = np.concatenate([np.full(dimension, 1 / (dimension + 1)) for dimension in FACTORS[kind]])
+    places = map_points(space, kind, centre[None])
+    rest = ngsolve.CF((ngsolve.x, ngsolve.y, ngsolve.z))(places)
+    return np.asarray(rest + space.function((positions - space.rest).ravel())(places))
 
 
 def _inside(point: Array, triangles: Array) -> Array:

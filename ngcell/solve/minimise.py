@@ -11,6 +11,7 @@ Near the minimum differences of energies drown in round-off. There the model alo
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -79,6 +80,7 @@ class Minimiser:
         if not np.isfinite(state.energy):
             return Minimum(state, Ending.NO_ENERGY, decrement, proximal)
         for _ in range(most or self.options.most_iterations):
+            self.clock.check()
             self.effort.iterations += 1
             advance = self._descend(state, proximal, damping, tolerance)
             if advance is None:
@@ -109,6 +111,39 @@ class Minimiser:
         matrix.factorise(values)
         self.effort.factorisations += 1
         return displacement + jump - matrix.solve(matrix.multiply(values, jump))
+
+    def foresee(self, displacement: Array, imposed: Array, weight: float) -> Array:
+        """Return what `predict` does, with walls that open and close as the linearised gaps of all near ones say.
+
+        Where the displacement is no equilibrium, as where bodies overlap at rest, it stays so: what is out of balance
+        does not count.
+        """
+        state = self._at(displacement)
+        jump = np.where(self.problem.free, 0.0, imposed - displacement)
+        model, matrix = self._model(state, self.problem.linearise(state), ProximalTerm(weight, displacement), 0.0)
+        driven = matrix.multiply(model.stiffness, jump) - model.pulled(model.penalty * np.minimum(model.gap, 0))
+        driven = np.where(self.problem.free, driven, 0.0)
+        moved = replace(model, gradient=driven, gap=model.gap + model.jacobian @ jump)
+        step, _, rounds = minimise_one_sided(moved, matrix, self.options.inner)
+        self.effort.factorisations += rounds
+        return displacement + jump + step
+
+    def shifted(self, minimum: Minimum, weight: float) -> Callable[[Array], Array]:
+        """Return what solves systems with the tangent at a minimum plus `weight` times the mass matrix.
+
+        Walls that are closed stay closed.
+        """
+        line = self.problem.linearise(minimum.state)
+        model, matrix = self._model(minimum.state, line, minimum.proximal, weight)
+        closed = np.flatnonzero(model.gap < 0)
+        matrix.factorise(matrix.add_penalty_terms(model.stiffness, model.jacobian[closed], model.penalty[closed]))
+        self.effort.factorisations += 1
+        return matrix.solve
+
+    def may_touch(self, displacement: Array, way: float) -> bool:
+        """Return whether bodies may come into contact while nothing moves by more than `way` [length]."""
+        row, column = self.problem.couplings(self._at(displacement), 2 * way)
+        return bool((self.problem.part[row] != self.problem.part[column]).any())
 
     def adopt_matrix(self, other: Minimiser) -> None:
         """Take over the matrix of a minimiser that has the same unknowns and bodies, if there is none yet."""

@@ -17,6 +17,7 @@ class Ending(Enum):
     TOO_MANY_ITERATIONS = "too many iterations"
     NO_DESCENT = "no step lowers the energy"
     NO_ENERGY = "elements are inverted at the start"
+    SADDLE = "a saddle, and so were all that lie below it"
     CONDITIONS_MISSED = "contact conditions are not met"
 
 

@@ -117,6 +117,9 @@ class ContinuationOptions:
     nothing : float
         Share of the energy that is nothing: a decrement on the way, or what is missed where updates hardly help, as
         slivers of walls bear nothing.
+    farthest, hold_back : float
+        Longest way of a predicted centre, in longest steps or ways of the supports, and the factor of the weight that
+        holds back what would go further.
     """
 
     first: float = 1e3
@@ -135,6 +138,35 @@ class ContinuationOptions:
     cycling: int = 200
     slow: float = 0.25
     nothing: float = 1e-11
+    farthest: float = 2.0
+    hold_back: float = 100.0
+
+
+@dataclass(frozen=True)
+class StabilityOptions:
+    """Numbers of the search for directions in which the energy falls.
+
+    Attributes
+    ----------
+    shift : float
+        Weight, in units of the continuation's scale, that is large beside curvatures worth finding.
+    rounds, negative : int, float
+        Most rounds of Lanczos' method, and the share of the shift below which a negative curvature is none.
+    departures : tuple of float
+        Distances from a saddle that are tried, as shares of the longest step.
+    fallen, same : float
+        Shares of the energy by which it has to fall, and below which two minima are as low.
+    most_saddles : int
+        Most saddles that are left one after the other.
+    """
+
+    shift: float = 10.0
+    rounds: int = 40
+    negative: float = 1e-4
+    departures: tuple[float, ...] = (0.5, 0.05, 0.005)
+    fallen: float = 1e-9
+    same: float = 1e-6
+    most_saddles: int = 10
 
 
 @dataclass(frozen=True)
@@ -166,7 +198,7 @@ class SolverOptions:
 
     Attributes
     ----------
-    minimiser, continuation, load_stepping
+    minimiser, continuation, load_stepping, stability
         Those of each method.
     direct_bulk, bulk_stage : float
         Ratio of bulk to shear modulus up to which a law is followed as it is, and the factor between the stages beyond
@@ -176,5 +208,6 @@ class SolverOptions:
     minimiser: MinimiserOptions = field(default_factory=MinimiserOptions)
     continuation: ContinuationOptions = field(default_factory=ContinuationOptions)
     load_stepping: LoadSteppingOptions = field(default_factory=LoadSteppingOptions)
+    stability: StabilityOptions = field(default_factory=StabilityOptions)
     direct_bulk: float = 1e4
     bulk_stage: float = 30.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 from ngcell.solve.continuation import Continuation, until_conditions_hold
 from ngcell.solve.effort import Effort
 from ngcell.solve.minimise import Minimiser
-from ngcell.solve.minimum import Minimum
+from ngcell.solve.minimum import Ending, Minimum
+from ngcell.solve.options import StabilityOptions
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.problem import Problem
 from ngcell.solve.proximal import ProximalTerm
+from ngcell.solve.stability import leave_saddle
 from ngcell.solve.step import Accepted, StepFailed, spent
 
 Array = NDArray[np.float64]
@@ -44,6 +46,7 @@ class Released:
     path: Continuation
     is_alone: bool = False
     is_mixed: bool = False
+    stability: StabilityOptions = field(default_factory=StabilityOptions)
 
     @property
     def effort(self) -> Effort:
@@ -66,8 +69,30 @@ class Released:
         return self.minimisers[-1].longest_step
 
     def predict(self, displacement: Array, imposed: Array) -> Array:
-        """Return the displacement that follows, to first order, when prescribed values jump."""
-        return self.minimisers[-1].predict(displacement, imposed, self.path.scale * self.path.options.last)
+        """Return the displacement that follows, to first order, when prescribed values jump.
+
+        Bodies are held back where they would run ahead: one that only slides, as a disc that turns in a ring, is driven
+        by the round-off of its mesh alone, and a vanishing proximal term would send it anywhere.
+        """
+        options, minimiser = self.path.options, self.minimisers[-1]
+        weight = self.path.scale * options.last
+        limit = options.farthest * max(self.longest_step, float(np.abs(imposed - displacement).max()))
+        while True:
+            foreseen = minimiser.foresee(displacement, imposed, weight)
+            if float(np.abs(foreseen - displacement).max()) <= limit or weight > self.path.scale * options.first:
+                return foreseen
+            weight *= options.hold_back
+
+    def pieces(self, displacement: Array, imposed: Array) -> int:
+        """Return in how many increments prescribed values are to jump for no wall to be passed unseen.
+
+        Contact is searched within two longest steps: walls of which none moves further than one of them cannot pass
+        each other. Where nothing can touch on the whole way, one increment does.
+        """
+        way = float(np.abs(imposed - displacement).max())
+        if self.is_alone or way <= self.longest_step or not self.minimisers[-1].may_touch(displacement, way):
+            return 1
+        return int(np.ceil(way / self.longest_step * (1 - 1e-9)))
 
     def step(self, start: Array, centre: Array, load: float, *, may_stall: bool = True) -> Accepted:
         """Return the selected equilibrium; see `Continuation.select`.
@@ -80,14 +105,35 @@ class Released:
         before = self.effort
         self.apply(load)
         proximal = self.path.last_proximal(centre)
-        minimum = self._alone(start, proximal) or self.path.select(
-            self.apart, self.minimisers, start, centre, may_stall=may_stall
-        )
+        minimum = self._alone(start, proximal) or self._selected(start, centre, may_stall)
         if self.is_mixed and minimum.is_found:
             minimum = self.minimisers[-1].minimise(minimum.state.displacement, minimum.proximal)
+        minimum = self._stable(minimum)
         if not minimum.is_found:
             raise StepFailed(Outcome.RELEASE_FAILED, load)
         return Accepted("released", load, minimum, self.effort - before)
+
+    def _stable(self, minimum: Minimum) -> Minimum:
+        """Return a minimum below a saddle, with contact conditions met; what is no saddle stays as it is."""
+        minimiser = self.minimisers[-1]
+        left = leave_saddle(minimiser, minimum, self.stability, scale=self.path.scale, length=self.longest_step)
+        if left is minimum or not left.is_found:
+            return left
+        return until_conditions_hold(minimiser, left, self.longest_step, self.path.options)
+
+    def _selected(self, start: Array, centre: Array, may_stall: bool) -> Minimum:
+        """Return the end of the path; where contact turns out too soft to follow it, that of a stiffer stage's.
+
+        Soft contact lets bodies that hardly change their volume sink into each other until the nearest wall of a point
+        changes from one to the next.
+        """
+        for first in range(len(self.minimisers)):
+            minimum = self.path.select(self.apart, self.minimisers[first:], start, centre, may_stall=may_stall)
+            if minimum.is_found or minimum.ending is Ending.NO_ENERGY:
+                break
+            if first + 1 < len(self.minimisers):
+                self.minimisers[first + 1].problem.start_from(self.minimisers[first].problem, minimum.state)
+        return minimum
 
     def _alone(self, start: Array, proximal: ProximalTerm) -> Minimum | None:
         """Return the minimum of a body that is alone; None if there are more, or if none was found."""

@@ -77,6 +77,8 @@ class Accepted:
         What it took, failures included.
     account : Account, optional
         Where energy went, with a problem that has a history.
+    follows : bool
+        Whether it was reached from the state of the step before, and not from a state of its own.
     """
 
     phase: str
@@ -84,6 +86,7 @@ class Accepted:
     minimum: Minimum
     effort: Effort
     account: Account | None = None
+    follows: bool = False
 
 
 class StepFailed(Exception):  # noqa: N818 - named as what is reported, not as a mistake

@@ -79,7 +79,7 @@ def test_a_run_that_ends_by_an_error_says_why(tmp_path, make_record):
 
 def test_an_earlier_result_is_replaced_and_nothing_else(tmp_path, make_record, make_snapshot):
     for count in (3, 1):
-        with ResultFolder(tmp_path) as folder:
+        with ResultFolder(tmp_path, force=True) as folder:
             for step in range(count):
                 folder.accept(make_record(step), (), make_snapshot(step))
         (tmp_path / "notes.txt").write_text("mine")

@@ -19,13 +19,14 @@ import pyvista
 from click.testing import CliRunner, Result
 
 import ngcell
+from ngcell import clock
 from ngcell.cli import ngcell as command
 from ngcell.errors import OutputError
 from ngcell.run import resume
 
 TISSUE = ["tissue.rows=2", "tissue.cols=2", "mesh.order=2", "load.displacement=[0.3, 0.0]", "load.levels=[0.4, 1.0]"]
 PRISMS = ["tissue.rows=1", "tissue.cols=2", "tissue.height=0.4", "mesh.order=2", "load.displacement=[0.2, 0.0]"]
-BONDED = [*TISSUE, "cohesion.strength=0.01", "cohesion.energy=0.0001", 'strategy.kind="single-step"']
+BONDED = [*TISSUE, "cohesion.strength=0.01", "cohesion.energy=0.0001", 'strategy.kind="load-stepping"']
 #: Cases, their settings and their number of accepted steps.
 RUNS = {
     "sddp": ("shear-empty-3x3", [*TISSUE, "strategy.steps=4"], 6),
@@ -207,12 +208,28 @@ def cut(path: Path) -> None:
     path.write_bytes(path.read_bytes()[:-200])
 
 
+def change_a_digit(path: Path) -> None:
+    text = path.read_text()
+    place = text.index("released") + len("released,0.")
+    path.write_text(text[:place] + ("7" if text[place] != "7" else "3") + text[place + 1 :])
+
+
+def tell(folder: Path, **said: object) -> None:
+    summary = json.loads((folder / "summary.json").read_text())
+    (folder / "summary.json").write_text(json.dumps(summary | said))
+
+
 DAMAGE = {
     "no restart file": lambda folder: (folder / "restart.npz").unlink(),
     "half a restart file": lambda folder: cut(folder / "restart.npz"),
     "a restart file of nothing": lambda folder: (folder / "restart.npz").write_bytes(b""),
     "no history": lambda folder: (folder / "history.csv").unlink(),
     "a cut history": lambda folder: cut(folder / "history.csv"),
+    "a cut snapshot": lambda folder: cut(folder / "tissue_0000.vtu"),
+    "a cut snapshot of walls": lambda folder: cut(folder / "walls_0000.vtu"),
+    "a changed digit": lambda folder: change_a_digit(folder / "history.csv"),
+    "steps that are no number": lambda folder: tell(folder, accepted_steps="many"),
+    "fewer steps than none": lambda folder: tell(folder, accepted_steps=-1),
     "no snapshot": lambda folder: (folder / "tissue_0000.vtu").unlink(),
     "no case": lambda folder: (folder / "case.toml").unlink(),
     "another case": lambda folder: (folder / "case.toml").write_text(
@@ -232,6 +249,46 @@ def test_a_damaged_folder_is_told_in_one_line(stopped, damage):
     assert answer.stdout == ""
     (line,) = answer.stderr.splitlines()
     assert str(stopped) in line
+
+
+def test_a_checkpoint_of_more_steps_than_were_accepted_is_refused(stopped):
+    with np.load(stopped / "restart.npz") as content:
+        arrays = dict(content)
+    (count,) = (name for name in arrays if name.endswith("count"))
+    np.savez(stopped / "restart.npz", **arrays | {count: np.array(1000)})
+    answer = solve("--resume", str(stopped))
+    assert answer.exit_code == 4
+    assert "1000 steps where 3 were accepted" in answer.stderr and len(answer.stderr.splitlines()) == 1
+
+
+def test_a_run_out_of_time_keeps_its_steps_and_is_resumed(whole, tmp_path, monkeypatch):
+    times, out = iter([0.0, *[1.0] * 60]), tmp_path / "out"
+    monkeypatch.setattr(clock, "monotonic", lambda: next(times, 1e9))
+    case, sets, _ = RUNS["sddp"]
+    with pytest.raises(ngcell.NotConverged) as ended:
+        list(ngcell.record(ngcell.read_case(case, sets), out, max_minutes=1e6))
+    assert ended.value.outcome == "OUT_OF_TIME" and ended.value.record_count == len(rows(out / "history.csv")) > 0
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["status"] == "stopped" and "--max-minutes" in summary["reason"]
+    monkeypatch.undo()
+    list(resume(out))
+    assert_same_result(out, whole)
+
+
+def test_no_time_is_refused():
+    for minutes in (0, -1, float("nan")):
+        with pytest.raises(ngcell.CaseError, match="max_minutes"):
+            ngcell.record(ngcell.read_case("shear-empty-3x3"), Path("nowhere"), max_minutes=minutes)
+
+
+def test_a_run_killed_while_it_replaces_another_starts_anew(stopped):
+    case = (stopped / "case.toml").read_text()
+    for path in stopped.iterdir():
+        path.unlink()
+    note = {"program": "ngcell", "status": "running", "accepted_steps": 0, "case": case}
+    (stopped / "summary.json").write_text(json.dumps(note))
+    assert next(iter(resume(stopped))).step == 0
+    assert (stopped / "case.toml").read_text() == case
 
 
 @pytest.mark.parametrize("more", [("shear-empty",), ("--set", "tissue.wall=0.2"), ("--out", "elsewhere")])

@@ -38,8 +38,10 @@ Index = NDArray[np.int64]
 DEEP, HIGH, NO_OVERLAP = 0.02, 0.01, 1e-7
 #: Overlap between the points of the rule over that at them, above which the rule is to blame and not the penalty terms.
 BETWEEN = 2.0
-#: Factor by which penalty terms that are too soft are made stiffer, and the most that all such factors make.
-STIFFEN, MOST_STIFFENED = 10.0, 1e4
+#: Factor by which penalty terms that are too soft are made stiffer, and the most that all such factors make. The
+#: derived stiffness is that of a layer that may spread along the wall; one that is confined is stiffer by the ratio of
+#: bulk to shear modulus, and is followed up to a ratio of 1e8.
+STIFFEN, MOST_STIFFENED = 10.0, 1e8
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +90,7 @@ class PenaltySet:
         return self.kinematics.bending(positions, self.contact_forces(positions))
 
     def contact_forces(self, positions: Array) -> Array:
-        """Return the force that each contact pair transmits [stress * length], >= 0."""
+        """Return the force that each contact pair transmits [stress * length**(dimension - 1)], >= 0."""
         return -self.stiffness * np.minimum(self.kinematics.gaps(positions), 0)
 
     def missed(self, positions: Array) -> dict[str, float]:
@@ -148,7 +150,8 @@ class PenaltyContact:
         return couplings_of_near_facets(self.walls, positions, self.reach + margin)
 
     def pressures(self, positions: Array, points: SurfacePoints) -> Array:
-        """Return the contact pressure at points of the walls [stress]: the sum of that of both passes."""
+        """Return the contact pressure at points of the walls [stress]: penalty stiffness times overlap, half of it from
+        each pass."""
         pairs = PairSearch(self.walls, points, self.reach).pairs(self.walls.nodes(positions))
         gaps = gap_kinematics(self.walls, pairs, positions).gaps(positions)
         pressure = -self._pairwise(pairs) * np.minimum(gaps, 0)

@@ -101,7 +101,7 @@ class _Path:
             while not is_there:
                 before = self._released.effort
                 way = target - place.load
-                pieces = max(1, int(np.ceil(abs(way) / increment - 1e-9)))
+                pieces = max(1, int(np.ceil(abs(way) / increment - 1e-9)), self._pieces(place, target))
                 increment = abs(way) / pieces or increment
                 goal = target if pieces == 1 else place.load + way / pieces
                 tried = self._tried(place, goal, is_shortest=increment < shortest)
@@ -131,6 +131,11 @@ class _Path:
             if not start.is_found:
                 raise StepFailed(Outcome.RELEASE_FAILED, progress.load_factor)
         return _Place(progress.load_factor, start, float(progress.memory.get("dissipation", 0.0)))
+
+    def _pieces(self, place: _Place, target: float) -> int:
+        """Return in how many increments supports are to move for no wall to be passed unseen."""
+        displacement = place.minimum.state.displacement
+        return self._released.pieces(displacement, self._motion.imposed(displacement, target))
 
     def _tried(self, place: _Place, goal: float, *, is_shortest: bool) -> tuple[_Place, Account] | None:
         """Return where a step leads, or None if it is too long."""

@@ -26,6 +26,7 @@ from ngcell.solve.minimum import Minimum
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.proximal import ProximalTerm
 from ngcell.solve.released import Released
+from ngcell.solve.stability import leave_saddle
 from ngcell.solve.step import MOST_HALVINGS, Accepted, Account, StepFailed, next_goal, spent
 from ngcell.solve.strategies.strategy import Progress, Task
 
@@ -114,4 +115,9 @@ def _tied_minimum(task: Task, start: Array, proximal: ProximalTerm, load: float)
         if not minimum.is_found:
             return minimum
         start = minimum.state.displacement
-    return until_conditions_hold(task.tied[-1], minimum, task.released.longest_step, task.options.continuation)
+    last, length, scale = task.tied[-1], task.released.longest_step, task.released.path.scale
+    minimum = until_conditions_hold(last, minimum, length, task.options.continuation)
+    left = leave_saddle(last, minimum, task.options.stability, scale=scale, length=length)
+    if left is minimum or not left.is_found:
+        return left
+    return until_conditions_hold(last, left, length, task.options.continuation)
