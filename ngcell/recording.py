@@ -123,7 +123,7 @@ class Recording:
                             )
                         steps.append(step.report)
                         yield step.record
-                    verified = self._verified(steps, clock)
+                    verified = self._verified(steps, simulation)
                 except StepFailed as failure:
                     outcome = failure.outcome
                     message = f"at load factor {failure.load_factor:.6g}: {outcome.value}"
@@ -154,11 +154,12 @@ class Recording:
         except (ValueError, KeyError, TypeError, LookupError) as error:
             raise cannot_resume(self._out, f"what the continuation stood at does not fit the case ({error})") from error
 
-    def _verified(self, steps: list[StepReport], clock: Clock) -> dict[str, Any] | None:
+    def _verified(self, steps: list[StepReport], simulation: Simulation) -> dict[str, Any] | None:
         if not self._verify_penalty:
             return None
+        raised = getattr(simulation.contact, "raised", 1.0)
         try:
-            return stiffer_result(self._case, steps[-1], clock.end)
+            return stiffer_result(self._case, steps[-1], raised, end=simulation.clock.end)
         except StepFailed as failure:
             return {"failed": failure.outcome.value}
         except OutOfTime:

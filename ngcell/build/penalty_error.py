@@ -29,7 +29,9 @@ def check_has_penalty(case: AnyCase | BodyScene) -> None:
         raise CaseError("contact.kind = 'mortar' has no penalty to verify; allowed: contact.kind = 'penalty'")
 
 
-def stiffer_result(case: AnyCase | BodyScene, last: StepReport, end: float | None = None) -> dict[str, Any]:
+def stiffer_result(
+    case: AnyCase | BodyScene, last: StepReport, raised: float = 1.0, *, end: float | None = None
+) -> dict[str, Any]:
     """Return what the last level of a case becomes with a stiffer penalty.
 
     Parameters
@@ -38,6 +40,8 @@ def stiffer_result(case: AnyCase | BodyScene, last: StepReport, end: float | Non
         The case, with contact by penalty.
     last : StepReport
         Its last accepted step, at its own stiffness.
+    raised : float
+        Factor by which penalty terms had been made stiffer by the end of the run, since they were too soft.
     end : float, optional
         When that has to end, as `time.monotonic` tells it [s].
 
@@ -55,7 +59,7 @@ def stiffer_result(case: AnyCase | BodyScene, last: StepReport, end: float | Non
     OutOfTime
         If it takes too long.
     """
-    contact = case.contact.model_copy(update={"stiffness": STIFFER * case.contact.stiffness})
+    contact = case.contact.model_copy(update={"stiffness": STIFFER * raised * case.contact.stiffness})
     stiffer: AnyCase | BodyScene
     if isinstance(case, BodyScene):
         stiffer = replace(case, contact=contact)

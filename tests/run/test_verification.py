@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from ngcell import Case, record
+from ngcell import BodyCase, Case, record
 from ngcell.cli.summary import summary_lines
 from ngcell.errors import CaseError
 
@@ -45,3 +45,26 @@ def test_without_being_asked_a_run_solves_each_level_once(tmp_path: Path) -> Non
 def test_the_mortar_method_has_no_penalty_to_verify(tmp_path: Path) -> None:
     with pytest.raises(CaseError, match="no penalty to verify"):
         record(sheared_pair("mortar"), tmp_path / "out", verify_penalty=True)
+
+
+def test_where_penalty_terms_were_raised_the_stiffer_ones_are_stiffer_than_these(tmp_path: Path) -> None:
+    """Blocks between walls that hold them: penalty terms yield as well, and the force is low by their share."""
+    held = [{"boundary": f"{body}_{side}", "components": "x"} for body in ("base", "top") for side in ("left", "right")]
+    material = {"kind": "mooney-rivlin", "c1": 0.5, "c2": 0.5, "bulk_modulus": 20.0}
+    blocks = [
+        {"name": name, "kind": "block", "low": [0.0, low], "high": [1.0, low + 1], "size": 0.5, "material": material}
+        for name, low in (("base", 0.0), ("top", 1.0))
+    ]
+    ends = [{"boundary": "base_bottom"}, {"boundary": "top_top", "translation": [0.0, -0.05]}]
+    case = {"levels": 1, "bodies": blocks, "supports": [*held, *ends], "mesh": {"order": 2}}
+
+    def run(kind: str):
+        scene = BodyCase.model_validate({**case, "contact": {"kind": kind}})
+        recording = record(scene, tmp_path / kind, verify_penalty=kind == "penalty")
+        (step,) = recording
+        return step, recording.summary
+
+    (exact, _), (soft, summary) = run("mortar"), run("penalty")
+    error = soft.contact_force / exact.contact_force - 1
+    assert -0.01 < error < -0.001
+    assert summary["stiffer_penalty"]["contact_force"]["change"] == pytest.approx(-0.9 * error, rel=0.03)

@@ -26,9 +26,9 @@ from tools.commands import described
 @click.argument("folder", type=click.Path(path_type=Path))
 def command(spec: Path, folder: Path) -> None:
     """Run SPEC into FOLDER."""
-    drawn = json.loads(spec.read_text(encoding="utf-8"))
+    table = json.loads(spec.read_text(encoding="utf-8"))
     try:
-        recording = ngcell.record(scene_of(drawn), folder, threads=1)
+        recording = ngcell.record(scene_of(table), folder, threads=1)
         for _ in recording:
             pass
     except NgcellError as error:
@@ -37,17 +37,17 @@ def command(spec: Path, folder: Path) -> None:
     sys.exit(0 if recording.certified else NotConverged.exit_code)
 
 
-def scene_of(drawn: dict[str, Any]) -> ngcell.BodyScene:
-    """Return the scene of a drawn table of bodies and of what holds them."""
+def scene_of(table: dict[str, Any]) -> ngcell.BodyScene:
+    """Return the scene of a table: its bodies, and what holds them."""
     bodies = [
-        ngcell.Body(_face(body, drawn["held"]), ngcell.MooneyRivlin(**_constants(body)), body["name"])
-        for body in drawn["bodies"]
+        ngcell.Body(_face(body, table["held"]), ngcell.MooneyRivlin(**_constants(body)), body["name"])
+        for body in table["bodies"]
     ]
     supports = [
-        ngcell.BodySupport(f"{held['body']}-held", translation=tuple(held["move"])) for held in drawn["held"]
+        ngcell.BodySupport(f"{held['body']}-held", translation=tuple(held["move"])) for held in table["held"]
     ]
     return ngcell.BodyScene(
-        tuple(bodies), tuple(supports), size=drawn["size"], order=drawn["order"], levels=drawn["levels"]
+        tuple(bodies), tuple(supports), size=table["size"], order=table["order"], levels=table["levels"]
     )
 
 

@@ -131,6 +131,11 @@ class PenaltyContact:
         """Penalty stiffness of each facet, as far as it has been raised [stress / length], shape (facets,)."""
         return self._factor * self._derived
 
+    @property
+    def raised(self) -> float:
+        """Factor by which penalty terms that were too soft have been made stiffer."""
+        return self._factor
+
     def pair(self, positions: Array) -> PenaltySet:
         """Find all contact pairs at `positions`, unknowns of shape (dimension, scalar unknowns)."""
         pairs = self._search.pairs(self.walls.nodes(positions))

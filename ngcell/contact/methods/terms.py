@@ -50,6 +50,11 @@ class ContactTerm(Term):
         """Stiffness of the penalty terms of each facet [stress / length], shape (facets,)."""
         return self.method.stiffness
 
+    @property
+    def raised(self) -> float:
+        """Factor by which penalty terms that were too soft have been made stiffer; 1 where a method knows none."""
+        return float(getattr(self.method, "raised", 1.0))
+
     def found(self, at: Configuration) -> ContactSet:
         """Return the contact pairs at a configuration."""
         return at.once(self, self.method.pair)
