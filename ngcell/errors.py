@@ -46,9 +46,6 @@ class NotConverged(NgcellError):  # noqa: N818 - named as what is reported, not 
         Name of the outcome, one of the closed list of the solver.
     steps : iterable, optional
         The accepted steps.
-    record_count : int, optional
-        Number of accepted steps in the output folder, if it differs from the number of `steps`: a resumed run
-        accepted some before it was stopped.
 
     Attributes
     ----------
@@ -56,7 +53,7 @@ class NotConverged(NgcellError):  # noqa: N818 - named as what is reported, not 
         As the parameter.
     steps : tuple
         Accepted steps, results that are kept: up to the last of them the load path is solved and judged. Empty if
-        none was accepted, or where the run keeps its steps in a folder only.
+        none was accepted.
 
     Examples
     --------
@@ -66,18 +63,10 @@ class NotConverged(NgcellError):  # noqa: N818 - named as what is reported, not 
     ...     steps = stopped.steps
     """
 
-    def __init__(
-        self, message: str, *, outcome: str, steps: Iterable[Any] = (), record_count: int | None = None
-    ) -> None:
+    def __init__(self, message: str, *, outcome: str, steps: Iterable[Any] = ()) -> None:
         super().__init__(message)
         self.outcome = outcome
         self.steps: tuple[Any, ...] = tuple(steps)
-        self._record_count = record_count
-
-    @property
-    def record_count(self) -> int:
-        """Number of steps that were accepted before, all kept in the output folder if there is one."""
-        return len(self.steps) if self._record_count is None else self._record_count
 
 
 class OutputError(NgcellError):

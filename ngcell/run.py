@@ -14,7 +14,7 @@ from ngcell.build.options import Options
 from ngcell.build.simulation import OwnTerm, Simulation
 from ngcell.contact.pairing.facing import count_corners
 from ngcell.errors import CaseError, NotConverged, OutputError
-from ngcell.export import cannot_resume, read_restart, read_summary
+from ngcell.export import accepted_steps, cannot_resume, read_restart, read_summary, restore_case
 from ngcell.recording import Recording, use_threads
 from ngcell.results.observables.observable import Observable
 from ngcell.scene import AnyCase, BodyScene, read_case, resolved_toml
@@ -62,12 +62,26 @@ def simulate(
     return steps
 
 
-def record(case: AnyCase, out: Path, *, threads: int | None = None, verify_penalty: bool = False) -> Recording:
-    """Return a run of a case into a result folder; iterate over it to run it."""
-    return Recording(case, out, threads=threads, verify_penalty=verify_penalty)
+def record(
+    case: AnyCase,
+    out: Path,
+    *,
+    threads: int | None = None,
+    verify_penalty: bool = False,
+    force: bool = False,
+    max_minutes: float | None = None,
+) -> Recording:
+    """Return a run of a case into a result folder; iterate over it to run it.
+
+    Where the folder holds accepted steps of an earlier run, it is refused unless `force` is given; they are then
+    replaced when this run accepts its first step. For the other parameters see `Recording`.
+    """
+    return Recording(case, out, threads=threads, verify_penalty=verify_penalty, force=force, max_minutes=max_minutes)
 
 
-def resume(out: Path, *, threads: int | None = None, verify_penalty: bool = False) -> Recording:
+def resume(
+    out: Path, *, threads: int | None = None, verify_penalty: bool = False, max_minutes: float | None = None
+) -> Recording:
     """Return the rest of a run that stopped; iterate over it to run it.
 
     Its steps up to the stop are kept, and it ends with the numbers that it would have had without the stop.
@@ -77,20 +91,23 @@ def resume(out: Path, *, threads: int | None = None, verify_penalty: bool = Fals
     OutputError
         If the folder holds no run, or one that has ended, or is damaged.
     """
-    out = Path(out)
+    how: dict[str, Any]
+    out, how = Path(out), {"threads": threads, "verify_penalty": verify_penalty, "max_minutes": max_minutes}
     summary = read_summary(out)
     if summary.get("status") == "finished":
         raise OutputError(f"{out} needs no resuming: the run has ended ({summary.get('outcome')})")
+    count = accepted_steps(out, summary)
+    restore_case(out, summary)
     try:
         case = read_case(out / "case.toml")
     except CaseError as error:
         raise cannot_resume(out, str(error)) from error
-    if not summary.get("accepted_steps"):
-        return Recording(case, out, threads=threads, verify_penalty=verify_penalty)
+    if not count:
+        return Recording(case, out, **how)
     restart = read_restart(out)
     if restart.case_text != resolved_toml(case):
         raise cannot_resume(out, "case.toml is not the case of this run any more")
-    return Recording(case, out, threads=threads, verify_penalty=verify_penalty, restart=restart)
+    return Recording(case, out, restart=restart, **how)
 
 
 def inspect(case: AnyCase, *, options: Options | None = None) -> dict[str, Any]:

@@ -99,7 +99,7 @@ def found_by(*words: str) -> Any:
 def solve_words(case: str, folder: Path, overrides: tuple[str, ...] = ()) -> list[str]:
     """Return the words with which a case is solved into a folder by one thread."""
     settings = [word for entry in overrides for word in ("--set", entry)]
-    return ["ngcell", "solve", case, *settings, "--out", str(folder), "--threads", "1"]
+    return ["ngcell", "solve", case, *settings, "--out", str(folder), "--threads", "1", "--force"]
 
 
 def alternating(measured: Mapping[str, Callable[[], Any]], times: int) -> dict[str, list[Any]]:
@@ -135,7 +135,7 @@ def summary_in(folder: Path) -> dict[str, Any]:
 
 def released_rows(folder: Path) -> list[dict[str, str]]:
     """Return the rows of the history of a result folder whose walls are in contact, those of stopped runs included."""
-    return [row for row in tables.read(folder / "history.csv") if row["phase"] == "contact"]
+    return [row for row in tables.read(folder / "history.csv") if row["phase"] == "released"]
 
 
 @dataclass(frozen=True)

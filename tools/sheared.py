@@ -11,6 +11,8 @@ FEW_LEVELS = "[0.0625, 0.125, 0.25, 1.0]"
 DEAR = ("c1=0.02", "c1=0.05", "c1=0.1", "shear-fibres", "shear-uniform-pressure")
 TISSUES = {"3x3": (3, 3, 1.0), "5x7": (5, 7, 1.6)}
 BOTH, SDDP = ("sddp", "single-step"), ("sddp",)
+#: Strategies of tissues with cohesion, where steps have a history.
+BONDED = ("sddp", "load-stepping")
 STRENGTHS, ENERGY_OVER_STRENGTH = (0.0125, 0.025, 0.05), 0.03
 
 #: Case, settings and label of a curve.

@@ -15,10 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from ngcell.build.discretisation import draw_up
+from ngcell.build.discretisation import discretise
 from ngcell.build.observation import Step
 from ngcell.build.simulation import Simulation
 from ngcell.contact.surface.surface import SurfacePoints
+from ngcell.problem.reports import contact_pressures
 from ngcell.results.quantities import View
 
 Array = NDArray[np.float64]
@@ -137,10 +138,9 @@ class Solution:
 
     def wall_pressures(self, boundary: str) -> WallPressures:
         """Return the pressures along a wall in the plane."""
-        released = self._simulation.released
-        view = View(
-            released, released.at(self.last.displacement), self._simulation.motion, self.last.measurement.reaction
-        )
+        simulation, last = self._simulation, self.last
+        state = simulation.problem.at(last.displacement)
+        view = View(simulation.problem, state, simulation.walls, simulation.motion, last.measurement.reaction)
         nominal, length, length_deformed = view.nominal_pressures(boundary)
         edges = view.edges(boundary)
         count = len(nominal) // len(edges)
@@ -158,13 +158,14 @@ class Solution:
 
     def pressures_between_cells(self, places: Array) -> Array:
         """Return the pressures at these places of each wall edge that faces another cell [stress]."""
-        edge = np.unique(self._simulation.scene.facing.facet)
+        edge = np.unique(self._simulation.setup.facing.facet)
         count = len(places) * len(edge)
         return self._pressures(SurfacePoints(np.repeat(edge, len(places)), np.tile(places, len(edge)), np.zeros(count)))
 
     def _pressures(self, points: SurfacePoints) -> Array:
-        released = self._simulation.released
-        return released.contact.pressures(released.positions(self.last.displacement), points)
+        problem = self._simulation.problem
+        found = contact_pressures(problem.terms, problem.configuration(self.last.displacement), points)
+        return np.zeros(len(points.facet)) if found is None else found
 
 
 def solved(scene: Any) -> Solution:
@@ -177,5 +178,5 @@ def solved(scene: Any) -> Solution:
 
 def meshed(scene: Any) -> tuple[ngsolve.Mesh, float]:
     """Return the mesh of a scene that is not solved, and the plane-strain modulus of its softest body [stress]."""
-    discretisation = draw_up(scene)
-    return discretisation.bodies.mesh, min(law.plane_strain_modulus for law in discretisation.laws)
+    built = discretise(scene)
+    return built.space.bodies.mesh, min(law.plane_strain_modulus for law in built.walls)

@@ -1,4 +1,4 @@
-"""An energy of one's own: a block on an elastic foundation bears what two springs one after the other would."""
+"""An energy of one's own: a block on an elastic foundation bears what two elastic layers on each other would."""
 
 import ngsolve
 import pytest

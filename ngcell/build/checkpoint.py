@@ -34,11 +34,12 @@ class Checkpoint:
     displacement : mapping of str to array of float, shape (unknowns,)
         That of the last accepted step, by phase [length].
     work : mapping of str to WorkPoint
-        Where the work to the next step of a phase is reckoned from.
+        Where the work to the next step of a phase is reckoned from: an equilibrium; none before the first step where
+        bodies at rest are in none.
     memory : mapping of str to array
         What terms remember, and where energy went.
     onsets : PairOnsets, optional
-        Which wall pairs have opened, and where; None before the first level.
+        Which wall pairs have opened, and where; None where curves start at the first level.
     """
 
     count: int = 0

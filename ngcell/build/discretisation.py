@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.build.foreseen import check_bodies_fit, check_magnitudes, check_tissue_fits
 from ngcell.errors import CaseError
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.prisms import along_and_up
@@ -65,12 +66,15 @@ def discretise(scene: Case | BodyCase | BodyScene) -> Discretisation:
     CaseError
         If the scene cannot be meshed, or a load has no potential.
     """
+    if not isinstance(scene, BodyScene):
+        check_magnitudes(scene)
     if isinstance(scene, Case):
         return _tissue(scene)
     return _bodies(_user_defined(scene) if isinstance(scene, BodyCase) else scene)
 
 
 def _tissue(case: Case) -> Discretisation:
+    check_tissue_fits(case)
     tissue, lumen, load, wall = case.tissue, case.lumen, case.load, case.material
     regions, solid = (None, None) if lumen is None else (lumen.regions(tissue), lumen.solid)
     bodies = tissue.mesh(load.supported, case.mesh, regions, filled=solid is not None)
@@ -118,6 +122,7 @@ def _user_defined(case: BodyCase) -> BodyScene:
 
 
 def _bodies(scene: BodyScene) -> Discretisation:
+    check_bodies_fit(scene)
     bodies = _mesh(scene)
     space = DisplacementSpace(bodies, scene.order)
     given = [support.of_bodies(space.dimension) for support in scene.supports]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, cast
 
 import numpy as np
@@ -19,14 +20,14 @@ from ngcell.results.cells import cell_records, debonding
 from ngcell.results.checks import Path
 from ngcell.results.fields import Label, take_snapshot
 from ngcell.results.finding import Finding, compare
-from ngcell.results.measure import Measurement, Setup, measure
+from ngcell.results.measure import Measurement, Setup, WorkPoint, measure
 from ngcell.results.observables.observable import Observable, observed
 from ngcell.results.onset import PairOnsets
 from ngcell.results.quantities import View
 from ngcell.results.record import CellRecord, StepRecord, WallRecord
 from ngcell.results.report import StepReport
 from ngcell.results.snapshot import Snapshot
-from ngcell.results.surface import wall_fields
+from ngcell.results.surface import pressed_lengths, wall_fields
 from ngcell.results.walls import (
     CellComponents,
     find_components,
@@ -40,6 +41,9 @@ from ngcell.solve.effort import Effort
 from ngcell.solve.step import Accepted
 
 Array = NDArray[np.float64]
+
+#: Gaps at rest below this share of the thickness are round-off.
+_ROUND_OFF = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,6 +127,17 @@ class Observer:
         self._setup, self._bodies = setup, bodies
         self._levels, self._expected, self._observables = levels, expected, observables
 
+    @cached_property
+    def gaps_at_rest(self) -> Array:
+        """Mean gap of each facing pair at rest [length]; round-off counts as closed."""
+        gap = pair_gaps(self._setup.facing, self._setup.facing.gaps(self._setup.walls, self._setup.walls.rest))
+        return np.where(np.abs(gap) < _ROUND_OFF * self._bodies.thickness, 0.0, gap)
+
+    def start(self) -> Checkpoint:
+        """Return where a run starts whose bodies are in equilibrium at rest: no energy, and the gaps of the mesh."""
+        onsets = PairOnsets.starting(0.0, self.gaps_at_rest, self._bodies.thickness)
+        return Checkpoint(work={"tied": WorkPoint(), "released": WorkPoint()}, onsets=onsets)
+
     def step(
         self,
         accepted: Accepted,
@@ -164,10 +179,12 @@ class Observer:
     def _with_fields(self, step: Step, view: View, components: CellComponents, fields: Any) -> Step:
         """Return a step at a level, with fields, rows of walls and cells, and expected numbers."""
         record, measured, facing = step.record, step.measurement, self._setup.facing
-        onsets = step.checkpoint.onsets or PairOnsets.closed(len(facing.pairs))
         thickness, at = self._bodies.thickness, view.state.at
-        onsets = onsets.after(record.plate_displacement, pair_gaps(facing, measured.gap), thickness)
+        before, gaps = step.checkpoint.onsets, pair_gaps(facing, measured.gap)
+        follow = PairOnsets.starting if before is None else before.after
+        onsets = follow(record.plate_displacement, gaps, thickness)
         gap, pressure = wall_fields(self._setup.walls, facing, view.problem, at)
+        pressed = pressed_lengths(self._setup.walls, facing.pairs, view.problem, at)
         held = cell_fields(view.problem.terms, at, record.load_factor)
         free = np.isin(np.arange(self._bodies.body_count), measured.free_bodies).astype(np.int64)
         snapshot = take_snapshot(
@@ -181,7 +198,7 @@ class Observer:
         cells = cell_records(components, measured, record.step, record.plate_displacement, held.get("cell_pressure"))
         return replace(
             step,
-            walls=wall_records(facing, measured, record.step, thickness, onsets.onset),
+            walls=wall_records(facing, measured, record.step, thickness, onsets.onset, pressed),
             cells=cells,
             snapshot=snapshot,
             findings=list(compare(self._expected, record, view, self._levels[-1])),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ngcell.build.simulation import Simulation
+from ngcell.clock import Clock
 from ngcell.errors import CaseError
 from ngcell.results.report import StepReport
 from ngcell.scene import AnyCase, Case, Mortar
@@ -27,7 +28,7 @@ def check_has_penalty(case: AnyCase) -> None:
         raise CaseError("contact.kind = 'mortar' has no penalty to verify; allowed: contact.kind = 'penalty'")
 
 
-def stiffer_result(case: AnyCase, last: StepReport) -> dict[str, Any]:
+def stiffer_result(case: AnyCase, last: StepReport, end: float | None = None) -> dict[str, Any]:
     """Return what the last level of a case becomes with a stiffer penalty.
 
     Parameters
@@ -36,25 +37,29 @@ def stiffer_result(case: AnyCase, last: StepReport) -> dict[str, Any]:
         The case, with contact by penalty.
     last : StepReport
         Its last accepted step, at its own stiffness.
+    end : float, optional
+        When that has to end, as `time.monotonic` tells it [s].
 
     Returns
     -------
     dict
         The factor on the stiffness and, for each compared column of the history, the value as it was, with stiffer
         penalty terms, and the difference over the former (``None`` where that is zero). Levels of a tissue do not
-        depend on each other, so the last one is run alone; user-defined bodies continuation all of theirs.
+        depend on each other, so the last one is run alone; user-defined bodies follow all of theirs.
 
     Raises
     ------
     StepFailed
         If the stiffer problem finds no equilibrium.
+    OutOfTime
+        If it takes too long.
     """
     contact = case.contact.model_copy(update={"stiffness": STIFFER * case.contact.stiffness})
     stiffer = case.model_copy(update={"contact": contact, "expected": ()})
     if isinstance(case, Case):
         load = case.load.model_copy(update={"levels": (case.level_factors[-1],)})
         stiffer = stiffer.model_copy(update={"load": load})
-    *_, step = Simulation(stiffer).accepted_steps()
+    *_, step = Simulation(stiffer, Clock(end)).accepted_steps()
     overlaps = [_overlap(taken) for taken in (last, step.report)]
     table = {name: _compared(getattr(last.record, name), getattr(step.record, name)) for name in _COMPARED}
     return {"stiffness_factor": STIFFER, **table, "penetration_over_wall": _compared(*overlaps)}

@@ -44,8 +44,11 @@ from ngcell.solve.strategies.strategy import Strategy, Task
 Array = NDArray[np.float64]
 OwnTerm = Callable[[DisplacementSpace], Term]
 
-#: Surface that face each other nearer than this share of their thickness count as touching at rest.
+#: Walls that face each other nearer than this share of their thickness count as touching at rest.
 _TOUCHING = 0.05
+#: Forces at rest, as shares of modulus and thickness, and overlaps, as shares of the thickness, that count as none:
+#: round-off, and what curved elements of two meshes leave between them.
+_NO_FORCE, _NO_OVERLAP = 1e-8, 1e-3
 
 
 class Simulation:
@@ -86,7 +89,7 @@ class Simulation:
         self.longest_step = self.bodies.thickness / 2
         self.setup = Setup(
             walls=self.walls,
-            facing=find_facing(self.walls, _TOUCHING * self.bodies.thickness),
+            facing=find_facing(self.walls, _TOUCHING * self.bodies.thickness, self._reach),
             motion=self.motion,
             moved=built.moved,
             prescribed_displacement=built.prescribed_displacement,
@@ -130,7 +133,7 @@ class Simulation:
         """Contact as it is meant."""
         return self._contact_stages[-1]
 
-    @property
+    @cached_property
     def _reach(self) -> float:
         """Distance up to which walls are paired [length]: bodies that overlap at rest are found, too."""
         usual = 2 * self.longest_step
@@ -198,10 +201,8 @@ class Simulation:
 
     def _minimiser(self, problem: Problem, longest_step: float) -> Minimiser:
         volume = float(self.space.one @ self.space.scalar_mass @ self.space.one)
-        scale = self._moduli[1] * volume
-        return Minimiser(
-            problem, longest_step, energy_scale=scale, options=self.options.solver.minimiser, clock=self.clock
-        )
+        scale, options = self._moduli[1] * volume, self.options.solver.minimiser
+        return Minimiser(problem, longest_step, energy_scale=scale, options=options, clock=self.clock)
 
     @property
     def strategy(self) -> Strategy:
@@ -217,7 +218,7 @@ class Simulation:
         StepFailed
             If a step finds no equilibrium.
         """
-        checkpoint, started = checkpoint or Checkpoint(), perf_counter()
+        checkpoint, started = checkpoint or self.start, perf_counter()
         for accepted in self.follow(checkpoint):
             with self.clock.phase("measuring"):
                 problem = self.tied_problems[-1] if accepted.phase == "tied" else self.problem
@@ -230,10 +231,33 @@ class Simulation:
 
     def _released_from(self, accepted: Accepted, checkpoint: Checkpoint) -> Configuration | None:
         """Return the tied state at the load of a released step, if that was the step before."""
-        tied = checkpoint.work.get("tied")
-        if accepted.phase == "tied" or tied is None or tied.load_factor != accepted.load_factor:
+        tied = checkpoint.displacement.get("tied")
+        if accepted.phase == "tied" or tied is None or checkpoint.work["tied"].load_factor != accepted.load_factor:
             return None
-        return self.tied_problems[-1].configuration(checkpoint.displacement["tied"])
+        return self.tied_problems[-1].configuration(tied)
+
+    @property
+    def start(self) -> Checkpoint:
+        """Where a run starts: at rest, as far as that is an equilibrium."""
+        return self._observer.start() if self.starts_at_rest else Checkpoint()
+
+    @property
+    def mean_gap_at_rest(self) -> float | None:
+        """Mean gap of the facing walls before the load [length]; None where bodies at rest are in no equilibrium."""
+        length = np.bincount(self.setup.facing.pair, self.setup.facing.weight)
+        gaps = self._observer.gaps_at_rest
+        return float(gaps @ length / max(length.sum(), np.finfo(float).tiny)) if self.starts_at_rest else None
+
+    @cached_property
+    def starts_at_rest(self) -> bool:
+        """Whether bodies at rest are in equilibrium before the load: nothing acts in full then, and none overlap."""
+        apart = Problem(self.space, self._volume_stages[-1], self.motion.fixed)
+        apart.apply(0.0)
+        rest = apart.at(self.motion.imposed(np.zeros(self.space.unknowns), 0.0))
+        force = float(np.abs(apart.gradient(rest)[apart.free]).max(initial=0.0))
+        nothing = _NO_FORCE * self._moduli[0] * self.bodies.thickness ** (self.bodies.dimension - 1)
+        overlap = self.contact.overlap(rest.at) or 0.0
+        return force <= nothing and overlap <= _NO_OVERLAP * self.bodies.thickness
 
     def follow(self, checkpoint: Checkpoint) -> Iterator[Accepted]:
         """Yield the steps that the strategy accepts after a checkpoint, before they are measured."""
@@ -252,11 +276,11 @@ class Simulation:
 
     def _steps(self) -> list[float]:
         """Return the load factors of all steps: the levels, with equal steps between them where more are asked for."""
-        levels, count = self.levels, self._case.smallest_step_count
+        levels, count = self.levels, self.strategy.steps or self._case.smallest_step_count
         length = float(np.abs(np.diff(levels, prepend=0.0)).sum())
         steps, before = [], 0.0
         for level in levels:
-            pieces = max(1, round(count * abs(level - before) / length))
+            pieces = max(1, round(count * abs(level - before) / length)) if level != before else 1
             steps += list(np.linspace(before, level, pieces + 1)[1:])
             before = level
         return [float(step) for step in steps]

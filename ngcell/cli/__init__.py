@@ -5,6 +5,9 @@ NGSolve and the other large libraries are imported inside the verbs, so that hel
 
 from __future__ import annotations
 
+import sys
+from typing import Any
+
 import click
 
 from ngcell import __version__
@@ -12,8 +15,9 @@ from ngcell.cli.cases import cases
 from ngcell.cli.check import check
 from ngcell.cli.schema import schema
 from ngcell.cli.solve import solve
+from ngcell.cli.streams import give_up_stream, note, open_standard_streams
 from ngcell.cli.view import view
-from ngcell.errors import NgcellError
+from ngcell.errors import NgcellError, OutputError
 
 __all__ = ["ngcell"]
 
@@ -21,11 +25,21 @@ __all__ = ["ngcell"]
 class ErrorAnsweringGroup(click.Group):
     """A group of verbs that ends with the message and the exit code of an error of ngcell."""
 
+    def main(self, *arguments: Any, **how: Any) -> Any:
+        open_standard_streams()
+        try:
+            return super().main(*arguments, **how)
+        except OSError as error:
+            give_up_stream(1)
+            what = f"cannot use {error.filename}" if error.filename else "cannot write the answer"
+            note(f"{what}: {error.strerror or error}; what was written to folders is kept there")
+            sys.exit(OutputError.exit_code)
+
     def invoke(self, ctx: click.Context) -> object:
         try:
             return super().invoke(ctx)
         except NgcellError as error:
-            click.echo(str(error), err=True)
+            note(str(error))
             ctx.exit(error.exit_code)
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-import click
+from ngcell.cli.streams import note
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -29,7 +29,7 @@ def step_progress() -> Iterator[ShowStep]:
     """Show each accepted step as a line and, on a terminal, a live line for the current step below them."""
     console = _live_console()
     if console is None:
-        yield lambda record: click.echo(step_line(record), err=True)
+        yield lambda record: note(step_line(record))
         return
     with console.status("building the scene") as status:
 

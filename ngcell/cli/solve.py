@@ -6,19 +6,27 @@ import atexit
 import gc
 import logging
 import sys
+from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
 from ngcell.cli.arguments import set_option
 from ngcell.cli.progress import silent_progress, step_progress
+from ngcell.cli.streams import note
 from ngcell.cli.summary import summary_lines
 from ngcell.errors import NotConverged
 
 if TYPE_CHECKING:
     from ngcell.recording import Recording
     from ngcell.scene import AnyCase
+
+
+def _finite(ctx: click.Context, parameter: click.Parameter, value: float | None) -> float | None:
+    if value is not None and not isfinite(value):
+        raise click.BadParameter(f"{value} is no time; allowed: a number > 0")
+    return value
 
 
 @click.command()
@@ -31,7 +39,17 @@ if TYPE_CHECKING:
     type=click.Path(exists=True, file_okay=False, path_type=Path),
     help="Resume the run that stopped in DIR; takes no CASE.",
 )
-@click.option("--threads", type=click.IntRange(min=1), help="Number of threads; default one for each core.")
+@click.option("--force", is_flag=True, help="Replace the accepted steps of an earlier run in the result folder.")
+@click.option(
+    "--max-minutes",
+    metavar="MINUTES",
+    type=click.FloatRange(min=0, min_open=True),
+    callback=_finite,
+    help="End the run after this time; it keeps every accepted step, and --resume computes the rest.",
+)
+@click.option(
+    "--threads", type=click.IntRange(min=1), help="Number of threads; never more than the cores that are free to use."
+)
 @click.option(
     "--verify-penalty", is_flag=True, help="Repeat the last level with a stiffer penalty and report what changes."
 )
@@ -42,6 +60,8 @@ def solve(
     overrides: tuple[str, ...],
     out: Path | None,
     resume: Path | None,
+    force: bool,
+    max_minutes: float | None,
     threads: int | None,
     verify_penalty: bool,
     quiet: bool,
@@ -50,10 +70,14 @@ def solve(
     """Solve CASE, a TOML file or the name of a case that comes with ngcell.
 
     Results are written during the run: a run that is stopped keeps every step that it accepted, and --resume
-    computes the rest.
+    computes the rest. A folder that holds accepted steps of an earlier run is left as it is, unless --force is given;
+    even then they stay until the new run accepts its first step.
     """
     _collect_garbage_rarely()
+    if resume is not None and force:
+        raise click.UsageError("--resume DIR replaces nothing: no --force")
     scene, folder, accepted = _task(case, overrides, out, resume)
+    how: dict[str, Any] = {"threads": threads, "verify_penalty": verify_penalty, "max_minutes": max_minutes}
     try:
         from ngcell import run
 
@@ -62,16 +86,16 @@ def solve(
             _log_to_stderr(logging.INFO if verbose else logging.WARNING)
             recording: Recording
             if scene is None:
-                recording = run.resume(folder, threads=threads, verify_penalty=verify_penalty)
+                recording = run.resume(folder, **how)
             else:
-                recording = run.record(scene, folder, threads=threads, verify_penalty=verify_penalty)
+                recording = run.record(scene, folder, force=force, **how)
             for record in recording:
                 accepted = record.step + 1
                 show(record)
     except KeyboardInterrupt:
         _give_up("stopped by Ctrl-C", accepted, folder)
     except NotConverged as error:
-        _give_up(str(error), error.record_count, folder)
+        _give_up(str(error), len(error.steps), folder)
     for line in summary_lines(recording, folder):
         click.echo(line)
     if not recording.certified:
@@ -95,13 +119,13 @@ def _task(
 
 def _accepted_before(folder: Path) -> int:
     """Return the number of accepted steps of a stopped run; if it was not stopped, tell so and exit."""
-    from ngcell.export.summary import read_summary
+    from ngcell.export.summary import accepted_steps, read_summary
 
     summary = read_summary(folder)
     if summary.get("status") == "finished":
         click.echo(f"nothing to resume: the run in {folder} has ended ({summary.get('outcome')})")
         sys.exit(0 if summary.get("certified") else NotConverged.exit_code)
-    return int(summary.get("accepted_steps") or 0)
+    return accepted_steps(folder, summary)
 
 
 def _collect_garbage_rarely() -> None:
@@ -117,5 +141,5 @@ def _log_to_stderr(level: int) -> None:
 
 def _give_up(reason: str, accepted: int, folder: Path) -> NoReturn:
     kept = f"accepted steps kept in {folder}: {accepted}" if accepted else "no step was accepted"
-    click.echo(f"{reason}; {kept}", err=True)
+    note(f"{reason}; {kept}")
     sys.exit(NotConverged.exit_code)

@@ -7,12 +7,19 @@ from pathlib import Path
 import click
 
 
+def _picture(ctx: click.Context, parameter: click.Parameter, file: Path | None) -> Path | None:
+    if file is not None and file.suffix.lower() != ".png":
+        raise click.BadParameter(f"{str(file)!r} is no name of a picture; allowed: a file that ends with .png")
+    return file
+
+
 @click.command()
 @click.argument("folder", metavar="DIR", type=click.Path(exists=True, file_okay=False, path_type=Path))
 @click.option(
     "--screenshot",
     type=click.Path(dir_okay=False, path_type=Path),
-    help="Write a picture to this file instead of opening a window.",
+    callback=_picture,
+    help="Write a picture to this PNG file instead of opening a window.",
 )
 @click.option(
     "--clip",

@@ -6,10 +6,11 @@ VTK, pyvista and matplotlib are imported inside the functions that need them, so
 from ngcell.export.curves import draw_curves
 from ngcell.export.debonding import draw_debonding
 from ngcell.export.folder import ResultFolder
+from ngcell.export.ownership import restore_case
 from ngcell.export.picture import draw_tissue
 from ngcell.export.restart import Restart, cannot_resume, read_restart
 from ngcell.export.series import SnapshotSeries, read_last_snapshot
-from ngcell.export.summary import read_summary, write_summary
+from ngcell.export.summary import accepted_steps, read_summary, write_summary
 from ngcell.export.tables import RecordTable
 from ngcell.export.view import show
 
@@ -18,6 +19,7 @@ __all__ = [
     "Restart",
     "ResultFolder",
     "SnapshotSeries",
+    "accepted_steps",
     "cannot_resume",
     "draw_curves",
     "draw_debonding",
@@ -25,6 +27,7 @@ __all__ = [
     "read_last_snapshot",
     "read_restart",
     "read_summary",
+    "restore_case",
     "show",
     "write_summary",
 ]

@@ -2,7 +2,10 @@
 
 A step is on disk when `accept` returns; a step that cannot be written in full is taken back. `summary.json` says
 `running` until the run ends, so that a killed run is recognised and its folder may be used again, and `restart.npz`
-holds until then what the run can be resumed from.
+holds until then what the run can be resumed from. One run at a time writes into a folder.
+
+Accepted steps of an earlier run are replaced only where that is asked for, and not before the new run has accepted a
+step of its own: a case that turns out to be wrong costs nobody a result.
 """
 
 from __future__ import annotations
@@ -13,6 +16,7 @@ from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
+from zlib import crc32
 
 from numpy.typing import NDArray
 
@@ -20,11 +24,11 @@ from ngcell.errors import OutputError
 from ngcell.export.atomic import output_errors, replace_file
 from ngcell.export.curves import draw_curves
 from ngcell.export.debonding import PairOnset, draw_debonding
-from ngcell.export.ownership import PROGRAM, claim_folder, clear_folder
+from ngcell.export.ownership import CASE_FILE, PROGRAM, claim_folder, clear_folder, holds_result
 from ngcell.export.picture import draw_tissue
-from ngcell.export.restart import RESTART, Restart, cannot_resume, write_restart
+from ngcell.export.restart import RESTART, Restart, cannot_resume, read_restart, write_restart
 from ngcell.export.series import SnapshotSeries, read_last_snapshot
-from ngcell.export.summary import write_summary
+from ngcell.export.summary import CASE_TEXT, read_summary, write_summary
 from ngcell.export.tables import RecordTable
 from ngcell.results.record import CellRecord, StepRecord, WallRecord
 from ngcell.results.report import StepReport
@@ -36,13 +40,16 @@ _TABLES = ("history.csv", "walls.csv", "cells.csv")
 class ResultFolder:
     """The folder of one run, open from its start to its end.
 
-    Entering makes the folder, removes what an earlier run left there, and opens the tables; other files are
-    not touched. Leaving without `finish` notes in the summary that the run was stopped, and why.
+    Entering makes the folder, locks it, and opens the tables. Where it holds accepted steps of an earlier run, these
+    give way to the first step that is accepted; other files are not touched. Leaving without `finish` notes in the
+    summary that the run was stopped, and why.
 
     Parameters
     ----------
     path : Path
         A folder that does not exist, is empty, or holds an earlier result.
+    force : bool
+        Whether accepted steps of an earlier run may be replaced.
     case_text : str, optional
         The resolved case, written as `case.toml`.
     restart : Restart, optional
@@ -51,7 +58,8 @@ class ResultFolder:
     Raises
     ------
     OutputError
-        On entering: the folder cannot be made, or holds something else. Later: a file cannot be written.
+        On entering: the folder cannot be made, is in use by another run, or holds something that must stay. Later: a
+        file cannot be written.
 
     Examples
     --------
@@ -60,28 +68,45 @@ class ResultFolder:
     ...     folder.finish({"certified": True})
     """
 
-    def __init__(self, path: Path, *, case_text: str | None = None, restart: Restart | None = None) -> None:
-        self.path = Path(path)
+    def __init__(
+        self, path: Path, *, case_text: str | None = None, restart: Restart | None = None, force: bool = False
+    ) -> None:
+        self.path, self._force = Path(path), force
         self._case_text = case_text
         self._restart = restart
         self._reports = list(restart.reports) if restart else []
         self._history = [report.record for report in self._reports]
         self._last: Snapshot | None = None
         self._pairs: Sequence[PairOnset] = ()
-        self._drawn = self._finished = False
+        self._is_open = self._drawn = self._finished = False
 
     def __enter__(self) -> Self:
-        claim_folder(self.path)
-        if self._restart is not None:
-            self._go_on(self._restart)
-            return self
-        self._note("running")
+        self._lock = claim_folder(self.path)
+        try:
+            if self._restart is not None:
+                self._go_on(self._restart)
+            elif not holds_result(self.path):
+                self._begin()
+            elif not self._force:
+                raise OutputError(
+                    f"{self.path} holds the accepted steps of an earlier run; "
+                    "replace them with --force (from Python: force=True) or choose another folder"
+                )
+        except BaseException:
+            self._lock.release()
+            raise
+        return self
+
+    def _begin(self) -> None:
+        """Make the folder this run's own: whatever ends it from here on, the run can be resumed."""
+        self._note("running", **({} if self._case_text is None else {CASE_TEXT: self._case_text}))
         clear_folder(self.path)
         if self._case_text is not None:
-            replace_file(self.path / "case.toml", self._case_text.encode())
+            replace_file(self.path / CASE_FILE, self._case_text.encode())
+        self._note("running")
         self._open_tables({})
         self._series = SnapshotSeries(self.path)
-        return self
+        self._is_open = True
 
     def _open_tables(self, sizes: Mapping[str, int]) -> None:
         """Open each table after its first bytes, or a new one where no size is given."""
@@ -91,25 +116,40 @@ class ResultFolder:
         self._cells = RecordTable(cells, CellRecord, size=sizes.get(cells.name))
 
     def _go_on(self, restart: Restart) -> None:
-        self._series = SnapshotSeries(self.path, snapshots=restart.snapshots)
-        if self._series.missing:
-            raise cannot_resume(self.path, f"{self._series.missing[0]} is missing")
-        for name in restart.table_sizes:
+        if read_summary(self.path).get("status") == "finished":
+            raise OutputError(f"{self.path} needs no resuming: another run ended it meanwhile")
+        if len(read_restart(self.path).reports) != len(restart.reports):
+            raise OutputError(f"{self.path} was gone on with by another run meanwhile; resume it again")
+        self._series = SnapshotSeries(self.path, snapshots=restart.snapshots, checksums=restart.checksums)
+        damage = self._series.damage
+        if damage is not None:
+            raise cannot_resume(self.path, damage)
+        for name, size in restart.table_sizes.items():
             if not (self.path / name).is_file():
                 raise cannot_resume(self.path, f"{name} is missing")
+            if restart.checksums.get(name) not in (None, _checksum(self.path / name, size)):
+                raise cannot_resume(self.path, f"{name} is not the table that it was")
         try:
             self._open_tables({name: restart.table_sizes[name] for name in _TABLES})
             self._pairs = _last_pairs(self.path / "walls.csv")
         except (OutputError, KeyError) as error:
             raise cannot_resume(self.path, str(error)) from error
+        self._series.write_list()
+        self._is_open = True
         self._note("running")
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._steps.close()
-        self._walls.close()
-        self._cells.close()
+        try:
+            if self._is_open:
+                self._close(error)
+        finally:
+            self._lock.release()
+
+    def _close(self, error: BaseException | None) -> None:
+        for table in (self._steps, self._walls, self._cells):
+            table.close()
         if not self._finished:
             reason = str(error) or type(error).__name__ if error is not None else "not finished"
             with suppress(OutputError):  # the error that ends the run matters more than the note of it
@@ -135,6 +175,8 @@ class ResultFolder:
         OutputError
             If a part cannot be written; the steps before it are kept, and the message says where.
         """
+        if not self._is_open:
+            self._begin()
         tables: tuple[RecordTable[Any], ...] = self._walls, self._cells, self._steps
         sizes = [table.size for table in tables]
         try:
@@ -158,8 +200,16 @@ class ResultFolder:
 
     def _remember(self, checkpoint: Mapping[str, NDArray[Any]]) -> None:
         sizes = dict(zip(_TABLES, (self._steps.size, self._walls.size, self._cells.size), strict=True))
-        restart = Restart(self._case_text or "", checkpoint, tuple(self._reports), sizes, self._series.snapshots)
         try:
+            checksums = {name: _checksum(self.path / name, size) for name, size in sizes.items()}
+            restart = Restart(
+                case_text=self._case_text or "",
+                checkpoint=checkpoint,
+                reports=tuple(self._reports),
+                table_sizes=sizes,
+                snapshots=self._series.snapshots,
+                checksums=self._series.checksums | checksums,
+            )
             write_restart(self.path, restart)
         except OutputError as error:
             raise OutputError(f"{error}; {self._kept()}") from error
@@ -173,6 +223,8 @@ class ResultFolder:
             If a picture cannot be written.
         """
         self._drawn = True
+        if not self._is_open:
+            return
         if self._last is None and self._series.snapshots:
             self._last, _ = read_last_snapshot(self.path)
         if self._last is not None:
@@ -186,6 +238,8 @@ class ResultFolder:
     def finish(self, summary: Mapping[str, Any]) -> None:
         """Write the summary of the ended run, after the pictures if `draw` was not called.
 
+        A run that accepted no step leaves an earlier result as it is.
+
         Parameters
         ----------
         summary : mapping
@@ -197,6 +251,8 @@ class ResultFolder:
         OutputError
             If a file cannot be written; the accepted steps are kept, and the message says where.
         """
+        if not self._is_open:
+            return
         try:
             if not self._drawn:
                 self.draw(
@@ -228,6 +284,12 @@ class ResultFolder:
         count, load = len(self._history), self._history[-1].load_factor
         subject, verb = ("step", "is") if count == 1 else ("steps", "are")
         return f"{count} accepted {subject} up to load factor {load:.6g} {verb} kept in {self.path}"
+
+
+def _checksum(path: Path, size: int) -> int:
+    """Return the CRC-32 of the first bytes of a file."""
+    with output_errors(path), path.open("rb") as file:
+        return crc32(file.read(size))
 
 
 def _last_pairs(path: Path) -> list[PairOnset]:

@@ -10,7 +10,7 @@ import io
 import json
 import zipfile
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +42,8 @@ class Restart:
         Length of each table, by file name [byte].
     snapshots : tuple of (int, float, float)
         Step, load factor and plate displacement of each snapshot.
+    checksums : mapping of str to int
+        CRC-32 of each file that the run goes on with, by file name; of tables, of what `table_sizes` says.
     """
 
     case_text: str
@@ -49,6 +51,7 @@ class Restart:
     reports: tuple[StepReport, ...]
     table_sizes: Mapping[str, int]
     snapshots: tuple[tuple[int, float, float], ...]
+    checksums: Mapping[str, int] = field(default_factory=dict)
 
 
 def write_restart(folder: Path, restart: Restart) -> None:
@@ -64,6 +67,7 @@ def write_restart(folder: Path, restart: Restart) -> None:
         "reports": [report.plain() for report in restart.reports],
         "table_sizes": dict(restart.table_sizes),
         "snapshots": restart.snapshots,
+        "checksums": dict(restart.checksums),
     }
     content = io.BytesIO()
     arrays: dict[str, Any] = {f"{_CHECKPOINT}{name}": values for name, values in restart.checkpoint.items()}
@@ -93,6 +97,7 @@ def read_restart(folder: Path) -> Restart:
             reports=tuple(StepReport.from_plain(report) for report in notes["reports"]),
             table_sizes=notes["table_sizes"],
             snapshots=tuple((int(step), float(load), float(far)) for step, load, far in notes["snapshots"]),
+            checksums=dict(notes.get("checksums", {})),
         )
     except OSError as error:
         raise cannot_resume(folder, f"{RESTART} cannot be read ({error.strerror or error})") from error
@@ -103,5 +108,5 @@ def read_restart(folder: Path) -> Restart:
 def cannot_resume(folder: Path, reason: str) -> OutputError:
     """Return the error that says why a run cannot be resumed, and what to do instead."""
     return OutputError(
-        f"cannot resume {folder}: {reason}; start again with: ngcell solve {folder}/case.toml --out {folder}"
+        f"cannot resume {folder}: {reason}; start again with: ngcell solve {folder}/case.toml --out {folder} --force"
     )

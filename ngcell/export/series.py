@@ -11,6 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from zlib import crc32
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,11 +52,24 @@ class SnapshotSeries:
         Stem of the `.pvd` file.
     snapshots : sequence of (int, float, float)
         Step, load factor and plate displacement of the snapshots that are there already.
+    checksums : mapping of str to int
+        CRC-32 of their files, by file name.
+
+    Attributes
+    ----------
+    checksums : dict of str to int
+        As the parameter, of all files written so far.
     """
 
     def __init__(
-        self, folder: Path, name: str = "tissue", *, snapshots: Sequence[tuple[int, float, float]] = ()
+        self,
+        folder: Path,
+        name: str = "tissue",
+        *,
+        snapshots: Sequence[tuple[int, float, float]] = (),
+        checksums: Mapping[str, int] | None = None,
     ) -> None:
+        self.checksums = dict(checksums or {})
         self.folder = Path(folder)
         self.name = name
         self._entries = [_Entry(number, *snapshot) for number, snapshot in enumerate(snapshots)]
@@ -65,11 +79,20 @@ class SnapshotSeries:
         """Step, load factor and plate displacement of each snapshot."""
         return tuple((entry.step, entry.load_factor, entry.plate_displacement) for entry in self._entries)
 
+    def write_list(self) -> None:
+        """Write the `.pvd` anew."""
+        replace_file(self.folder / f"{self.name}.pvd", self._pvd(self._entries))
+
     @property
-    def missing(self) -> list[str]:
-        """Names of the files of snapshots that are not there."""
-        names = [name for entry in self._entries for name in self._parts(entry)]
-        return [name for name in names if not (self.folder / name).is_file()]
+    def damage(self) -> str | None:
+        """Which file of a snapshot is missing or is not what was written, in words; None if none is."""
+        for name in (name for entry in self._entries for name in self._parts(entry)):
+            file = self.folder / name
+            if not file.is_file():
+                return f"{name} is missing"
+            if name in self.checksums and crc32(file.read_bytes()) != self.checksums[name]:
+                return f"{name} is damaged"
+        return None
 
     def append(self, snapshot: Snapshot, *, certified: bool) -> None:
         """Write the two files of a snapshot and then list them in the `.pvd`.
@@ -84,7 +107,9 @@ class SnapshotSeries:
         files = [self.folder / file for file in self._parts(entry)]
         try:
             for file, grid in zip(files, (snapshot.bulk, snapshot.walls), strict=True):
-                replace_file(file, _vtu(grid, _labels(snapshot, certified)))
+                content = _vtu(grid, _labels(snapshot, certified))
+                replace_file(file, content)
+                self.checksums[file.name] = crc32(content)
             replace_file(self.folder / f"{self.name}.pvd", self._pvd([*self._entries, entry]))
         except OutputError:
             for file in files:
@@ -118,8 +143,10 @@ def read_last_snapshot(folder: Path, name: str = "tissue") -> tuple[Snapshot, bo
     if not path.is_file():
         raise OutputError(f"{folder} holds no {path.name}: not a result, or no step was accepted")
     import pyvista
+    from vtkmodules.vtkCommonCore import vtkObject
 
     open_reader: Any = pyvista.get_reader  # it is not annotated
+    vtkObject.GlobalWarningDisplayOff()  # what it would tell of damaged files is told below, in one line
     try:
         reader = open_reader(path)
         reader.set_active_time_value(reader.time_values[-1])
@@ -128,8 +155,11 @@ def read_last_snapshot(folder: Path, name: str = "tissue") -> tuple[Snapshot, bo
         step, load_factor, displacement = (labels[key][0] for key in ("step", "load_factor", "plate_displacement"))
         snapshot = Snapshot(int(step), float(load_factor), float(displacement), _grid(bulk), _grid(walls))
         return snapshot, labels[VERDICT][0] == CERTIFIED
-    except (OSError, KeyError, IndexError, TypeError, ValueError) as error:
-        raise OutputError(f"cannot read the last snapshot of {path}: {error}") from error
+    except (OSError, SyntaxError, LookupError, TypeError, ValueError, AttributeError, RuntimeError) as error:
+        reason = str(error).partition("\n")[0] or type(error).__name__
+        raise OutputError(f"cannot read the last snapshot of {path}: {reason}; is it damaged?") from error
+    finally:
+        vtkObject.GlobalWarningDisplayOn()
 
 
 def _times(entries: Sequence[_Entry]) -> list[float]:

@@ -14,6 +14,8 @@ from ngcell.errors import OutputError
 from ngcell.export.atomic import replace_file
 
 SUMMARY = "summary.json"
+#: Key of a run whose `case.toml` is about to be written: what it will say.
+CASE_TEXT = "case"
 
 
 def write_summary(folder: Path, summary: Mapping[str, Any]) -> None:
@@ -46,6 +48,20 @@ def read_summary(folder: Path) -> dict[str, Any]:
     if not isinstance(summary, dict):
         raise OutputError(f"{path} holds a {type(summary).__name__}, not an object")
     return summary
+
+
+def accepted_steps(folder: Path, summary: Mapping[str, Any]) -> int:
+    """Return the number of accepted steps that a summary of `folder` tells.
+
+    Raises
+    ------
+    OutputError
+        If it is no number of steps.
+    """
+    count = summary.get("accepted_steps") or 0
+    if isinstance(count, bool) or not isinstance(count, int) or count < 0:
+        raise OutputError(f"{Path(folder) / SUMMARY}: accepted_steps = {count!r} is no number of steps; allowed: >= 0")
+    return count
 
 
 def _plain(value: Any) -> Any:

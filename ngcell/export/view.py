@@ -7,11 +7,15 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from ngcell.errors import OutputError
 from ngcell.export.picture import draw_tissue
 from ngcell.export.series import NOT_CERTIFIED, read_last_snapshot
 from ngcell.export.solid_picture import draw_solids, is_of_solids, solid_plot
 from ngcell.export.summary import SUMMARY, read_summary
 from ngcell.results.snapshot import Snapshot
+
+#: Ending of the names of pictures.
+PICTURE = ".png"
 
 
 def show(folder: Path, screenshot: Path | None = None, clip: float | None = None) -> Path | None:
@@ -38,6 +42,8 @@ def show(folder: Path, screenshot: Path | None = None, clip: float | None = None
         If the folder holds no snapshot, or the picture cannot be written.
     """
     folder = Path(folder)
+    if screenshot is not None and Path(screenshot).suffix.lower() != PICTURE:
+        raise OutputError(f"cannot write {screenshot}: allowed: a file {PICTURE}")
     snapshot, certified = read_last_snapshot(folder)
     summary = read_summary(folder) if (folder / SUMMARY).exists() else {}
     certified = certified and summary.get("certified") is not False

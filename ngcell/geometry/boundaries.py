@@ -3,14 +3,16 @@ them are walls."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Protocol, TypeVar
 
 import netgen.meshing
+import ngsolve
 import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.errors import GeometryError
+from ngcell.geometry.bodies import BodyMesh
 from ngcell.scene.entries import PLAIN_NAME
 
 Array = NDArray[np.float64]
@@ -105,3 +107,40 @@ def _named(mesh: netgen.meshing.Mesh, member: int, otherwise: str, kind: str) ->
     if not PLAIN_NAME.fullmatch(name):
         raise GeometryError(f"{kind} name {name!r}; allowed: letters, digits, _ and -")
     return name
+
+
+def named_bodies(
+    mesh: netgen.meshing.Mesh,
+    boundaries: Sequence[ClosedBoundary],
+    names: Sequence[str],
+    body: NDArray[np.int64],
+    *,
+    centres: Array,
+    order: int,
+    thickness: float,
+    untouched: Collection[str],
+) -> BodyMesh:
+    """Return the mesh of bodies with names on their materials and boundaries, curved with an order.
+
+    Parameters
+    ----------
+    mesh, boundaries, names, centres, body
+        As for `name_boundaries`.
+    order : int
+        Order of the curved elements, >= 1.
+    thickness : float
+        Smallest thickness of a body [length].
+    untouched : collection of str
+        Boundaries that are no walls, wherever they lie.
+    """
+    walls = name_boundaries(mesh, boundaries, names, centres, body) - set(untouched)
+    for number, name in enumerate(names):
+        mesh.SetMaterial(number + 1, name)
+    return BodyMesh(
+        mesh=ngsolve.Mesh(mesh).Curve(order),
+        body_of_element=body,
+        body_names=tuple(names),
+        wall_names="|".join(sorted(walls)),
+        length=min(boundary.diagonal for boundary in outlines(boundaries).values()) / 2,
+        thickness=thickness,
+    )

@@ -170,25 +170,35 @@ def ring_section(
     caps = filling + first_node[:, None, None] if filled or closed else None
     if caps is not None and filled:
         regions.append((FILLING, caps.reshape(-1, 4)))
-    outer = np.stack([layer[0], np.roll(layer[0], -1)], axis=-1).reshape(WALLS, -1, 2)
-    inner = np.stack([np.roll(layer[-1], -1), layer[-1]], axis=-1)
     hollow = {} if filled else lumens or {LUMEN: np.arange(cells)}
-    bounds = [(name, first_node[member, None, None] + inner) for name, member in hollow.items()]
-    unsupported = np.ones((cells, WALLS), dtype=bool)
-    for name, member in [*supports.items(), ("wall", unsupported)]:
-        cell, side = np.nonzero(member)
-        bounds.append((name, outer[side] + first_node[cell][:, None, None]))
-        unsupported &= ~member
     return Section(
         points=(lattice.centres[:, None] + cell_points).reshape(-1, 2),
         regions=regions,
-        edges=[(name, numbers.reshape(-1, 2)) for name, numbers in bounds if numbers.size],
+        edges=_named_edges(layer, first_node, hollow, supports),
         wall_names="|".join(["wall", *supports]),
         lattice=lattice,
         wall=wall,
         lumens=hollow,
         caps=caps if closed else None,
     )
+
+
+def _named_edges(
+    layer: NDArray[np.int64],
+    first_node: NDArray[np.int64],
+    hollow: dict[str, NDArray[np.int64]],
+    supports: dict[str, NDArray[np.bool_]],
+) -> list[tuple[str, NDArray[np.int64]]]:
+    """Return the edges (n, 2) of each boundary region: lumens, supports, and the walls that nothing supports."""
+    outer = np.stack([layer[0], np.roll(layer[0], -1)], axis=-1).reshape(WALLS, -1, 2)
+    inner = np.stack([np.roll(layer[-1], -1), layer[-1]], axis=-1)
+    regions = [(name, first_node[member, None, None] + inner) for name, member in hollow.items()]
+    unsupported = np.ones((len(first_node), WALLS), dtype=bool)
+    for name, member in [*supports.items(), ("wall", unsupported)]:
+        cell, side = np.nonzero(member)
+        regions.append((name, outer[side] + first_node[cell][:, None, None]))
+        unsupported &= ~member
+    return [(name, numbers.reshape(-1, 2)) for name, numbers in regions if numbers.size]
 
 
 def ring_mesh(lattice: Lattice, **choices: Any) -> BodyMesh:

@@ -21,14 +21,13 @@ from difflib import get_close_matches
 from typing import Any
 
 import netgen.meshing
-import ngsolve
 import numpy as np
 from netgen import occ
 from numpy.typing import NDArray
 
 from ngcell.errors import GeometryError
 from ngcell.geometry.bodies import BodyMesh
-from ngcell.geometry.boundaries import are_apart, name_boundaries, outlines
+from ngcell.geometry.boundaries import are_apart, named_bodies
 from ngcell.geometry.near import components
 from ngcell.geometry.sizes import sizes
 from ngcell.scene.entries import check_unique_names
@@ -121,16 +120,8 @@ def mesh_shapes(
     elements = mesh.Elements2D().NumPy()
     body = np.asarray(elements["index"], dtype=np.int64) - 1
     centres = mesh.Coordinates()[elements["nodes"][:, :3] - 1].mean(1)[:, :2]
-    walls = name_boundaries(mesh, loops, names, centres, body) - set(untouched)
-    for number, name in enumerate(names):
-        mesh.SetMaterial(number + 1, name)
-    return BodyMesh(
-        mesh=ngsolve.Mesh(mesh).Curve(order),
-        body_of_element=body,
-        body_names=tuple(names),
-        wall_names="|".join(sorted(walls)),
-        length=min(loop.diagonal for loop in outlines(loops).values()) / 2,
-        thickness=min(thicknesses),
+    return named_bodies(
+        mesh, loops, names, body, centres=centres, order=order, thickness=min(thicknesses), untouched=untouched
     )
 
 

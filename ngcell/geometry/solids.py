@@ -11,14 +11,13 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import netgen.meshing
-import ngsolve
 import numpy as np
 from netgen import occ
 from numpy.typing import NDArray
 
 from ngcell.errors import GeometryError
 from ngcell.geometry.bodies import BodyMesh
-from ngcell.geometry.boundaries import are_apart, name_boundaries, outlines
+from ngcell.geometry.boundaries import are_apart, named_bodies
 from ngcell.geometry.enclosure import winding_numbers
 from ngcell.geometry.near import components
 from ngcell.geometry.sizes import sizes
@@ -69,16 +68,8 @@ def mesh_solids(
     elements = mesh.Elements3D().NumPy()
     body = np.asarray(elements["index"], dtype=np.int64) - 1
     centres = mesh.Coordinates()[elements["nodes"][:, :4] - 1].mean(1)
-    walls = name_boundaries(mesh, shells, names, centres, body) - set(untouched)
-    for number, name in enumerate(names):
-        mesh.SetMaterial(number + 1, name)
-    return BodyMesh(
-        mesh=ngsolve.Mesh(mesh).Curve(order),
-        body_of_element=body,
-        body_names=tuple(names),
-        wall_names="|".join(sorted(walls)),
-        length=min(shell.diagonal for shell in outlines(shells).values()) / 2,
-        thickness=min(thicknesses),
+    return named_bodies(
+        mesh, shells, names, body, centres=centres, order=order, thickness=min(thicknesses), untouched=untouched
     )
 
 

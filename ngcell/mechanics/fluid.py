@@ -104,7 +104,7 @@ class LumenFluids(Term):
 
     def share(self, load_factor: float) -> float:
         """Return the share of the filling that is in at a load factor."""
-        return float(load_factor > 0) if self._in_full else load_factor
+        return 1.0 if self._in_full else load_factor
 
     @property
     def needed(self) -> Array:

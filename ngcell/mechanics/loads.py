@@ -3,7 +3,7 @@
 A *traction* t for each reference length (or area, in three dimensions) has the potential ``-integral of t . u``, and so
 has a *body force* for each reference area (or volume).
 
-A *pressure* p > 0 pushes on the body as it deforms. With the outward normal N at rest, its force for each reference
+A *pressure* p > 0 acts on the body as it deforms. With the outward normal N at rest, its force for each reference
 length is ``-p cof(F) N``, and its potential is p times what the loaded boundary sweeps; see `ngcell.mechanics.swept`.
 A pressure on a boundary whose rim is free has no potential at all, and is refused.
 """
@@ -91,7 +91,7 @@ class BoundaryLoads(SymbolicTerm):
 
     def share(self, load_factor: float) -> float:
         """Return the share of the loads that acts at a load factor."""
-        return float(load_factor > 0) if self._in_full else load_factor
+        return 1.0 if self._in_full else load_factor
 
     def integrals(self, displacement: ngsolve.CoefficientFunction) -> Integrals:
         """Return the potential at `factor`, whatever it will be, as integrals over boundaries and bodies."""

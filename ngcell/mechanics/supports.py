@@ -49,7 +49,7 @@ class PrescribedMotion:
         The unknowns.
     supports : sequence of Support
         The supports; where two meet, the later one counts.
-    held : callable, optional
+    lifting : callable, optional
         Displacement at load factor 1 of reference positions, both of shape (dimension, n): the lifting inside the
         tissue. By default there is none, and bodies start where they were.
     """

@@ -13,7 +13,7 @@ force ``cof(F) N`` plus a term at the boundary's rim that is linear in ``u x du`
 - the rim is held: du = 0 there, even if its support moves;
 - it slides along a straight line, or in three dimensions in a plane, that stays in place.
 
-At sliding rims the term pushes against the support; it is taken out of the forces, so that supports bear what the
+At sliding rims the term presses against the support; it is taken out of the forces, so that supports bear what the
 pressure hands to them.
 """
 

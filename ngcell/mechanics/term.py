@@ -1,12 +1,15 @@
 """What a physical effect offers to the sum of all: the protocol of a term.
 
 The energy of a scene is a sum of terms: stored energy of bodies, loads, fluids, contact, cohesion, or a user's own. A
-term gives its value, gradient and tangent at a configuration. Where its energy has kinks of the form ``k/2 min(0,
-g)^2``, it hands these over as one-sided constraints, which the solver treats exactly. A term may have a history, which
-moves when a step is accepted and at no other time; multipliers, which are updated at equilibria; and reports.
+term gives its value, gradient and tangent at a configuration. Parts of its energy of the form ``k/2 min(0, g)^2``,
+whose second derivative jumps at g = 0, it hands over as one-sided penalty terms, and the solver follows every jump
+exactly. A term may have a history, which moves when a step is accepted and at no other time; multipliers, which are
+updated at equilibria; and reports.
 
-A term of one's own derives from `Term` and defines `value`, `gradient` and `tangent`; all else has a default. An energy
-that NGSolve can express needs less: see `ngcell.mechanics.symbolic`.
+A term of one's own derives from `Term` and defines `value` and `gradient`, and `pattern` and `tangent` where its second
+derivative is not zero; all else has a default. Its `role` says whether its forces are stored in bodies, act from
+outside, or act between bodies. An energy that NGSolve can express needs less: see `ngcell.mechanics.symbolic`.
+Examples stand in `docs/examples`.
 
 Signs: a gradient is minus the force that the term exerts on the unknowns. Gaps are positive where walls are apart.
 """
@@ -78,7 +81,7 @@ class OneSided:
     penalty : array of float, shape (n,)
         Stiffness [stress * length**(dimension - 2)].
     keys : array of int, shape (n,)
-        What tells the same constraint in different configurations; each occurs once.
+        What tells the same penalty term in different configurations; each occurs once.
     """
 
     gap: Array
@@ -141,14 +144,14 @@ class Term(ABC):
 
     @abstractmethod
     def value(self, at: Configuration) -> float:
-        """Return the energy, constraints included; NaN where it is not defined."""
+        """Return the energy, one-sided penalty terms included; NaN where it is not defined."""
 
     @abstractmethod
     def gradient(self, at: Configuration) -> Array:
-        """Return the gradient without that of constraints, shape (unknowns,)."""
+        """Return the gradient without that of one-sided penalty terms, shape (unknowns,)."""
 
     def tangent(self, at: Configuration) -> Array:
-        """Return the second derivative on `pattern`, without that of constraints."""
+        """Return the second derivative on `pattern`, without that of one-sided penalty terms."""
         return np.zeros(0)
 
     @property

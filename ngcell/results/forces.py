@@ -34,12 +34,15 @@ class ContactForces:
         Sum of these forces on each body.
     pressed : array of float, shape (bodies,)
         Sum of the magnitudes of the forces between each body and others.
+    normal : array of float, shape (pairs,)
+        Sum of the magnitudes of the normal contact forces of each pair [stress * length], >= 0.
     """
 
     bodies: NDArray[np.int64]
     force: Array
     on_body: Array
     pressed: Array
+    normal: Array
 
     @property
     def total(self) -> float:
@@ -48,10 +51,14 @@ class ContactForces:
 
     def between(self, pairs: NDArray[np.int64]) -> Array:
         """Return the magnitude of the force between the bodies of each pair, shape (pairs,)."""
-        known = {
-            (int(one), int(two)): float(size)
-            for (one, two), size in zip(self.bodies, np.linalg.norm(self.force, axis=1), strict=True)
-        }
+        return self._of(pairs, np.linalg.norm(self.force, axis=1))
+
+    def normal_between(self, pairs: NDArray[np.int64]) -> Array:
+        """Return the sum of the magnitudes of the normal contact forces between the bodies of each pair, (pairs,)."""
+        return self._of(pairs, self.normal)
+
+    def _of(self, pairs: NDArray[np.int64], sizes: Array) -> Array:
+        known = {(int(one), int(two)): float(size) for (one, two), size in zip(self.bodies, sizes, strict=True)}
         return np.array([known.get((int(one), int(two)), 0.0) for one, two in pairs])
 
 
@@ -73,7 +80,7 @@ def _resultants(acting: Interaction, count: int) -> ContactForces:
     for column, sign in enumerate((1, -1)):
         np.add.at(on_body, bodies[:, column], sign * sums)
         np.add.at(pressed, bodies[:, column], size)
-    return ContactForces(bodies, sums, on_body, pressed)
+    return ContactForces(bodies, sums, on_body, pressed, np.bincount(place.ravel(), acting.normal, len(found)))
 
 
 def body_resultants(space: DisplacementSpace, nodal_force: Array) -> Array:

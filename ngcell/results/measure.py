@@ -148,7 +148,8 @@ def measure(
     proximal_force : array of float, shape (unknowns,)
         Nodal forces that the proximal term exerts on the bodies [stress * length].
     before : WorkPoint, optional
-        The accepted step before, of the same phase.
+        The accepted step before, of the same phase, or rest; None where no equilibrium before this one is known, and
+        so no work to it.
     path : Path, optional
         How the state was reached; by default nothing is known of it.
     """
@@ -167,9 +168,7 @@ def measure(
         float(reaction @ setup.motion.rate(load_factor)),
         problem.drives(state.displacement, load_factor),
     )
-    surplus = 0.0 if account is not None else _surplus_of_work(before or WorkPoint(), work)
-    if before is None and surplus < 0:
-        surplus = min(surplus + _stored_by_overlaps_at_rest(problem), 0.0)
+    surplus = 0.0 if account is not None or before is None else _surplus_of_work(before, work)
     certificate = certify(
         problem,
         setup.walls,
@@ -211,12 +210,6 @@ def _surplus_of_work(old: WorkPoint, now: WorkPoint) -> float:
         allowed += abs(shared) * (abs(fall) + abs(drive.rate - before.rate)) / 2
     mismatch = work - (now.energy - old.energy)
     return float(np.sign(mismatch) * max(abs(mismatch) - allowed, 0.0))
-
-
-def _stored_by_overlaps_at_rest(problem: Problem) -> float:
-    """Return the energy of contact at rest: bodies that overlap there set it free."""
-    rest = problem.space.configuration(np.zeros(problem.space.unknowns))
-    return max(sum(term.value(rest) for term in problem.terms if term.role is Role.INTERACTION), 0.0)
 
 
 def _held_by_nothing(problem: Problem, setup: Setup, forces: ContactForces, proximal_force: Array) -> tuple[int, ...]:

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 class PairOnsets:
     """Plate displacements at which the mean gap of each pair first reaches `ONSET` wall thicknesses.
 
-    Gaps are interpolated linearly between the levels, and are closed at the start.
+    Gaps are interpolated linearly between the levels. A pair that is open where its curve starts has its onset there.
 
     Attributes
     ----------
@@ -33,9 +33,10 @@ class PairOnsets:
     gap: Array
 
     @classmethod
-    def closed(cls, pairs: int) -> PairOnsets:
-        """Return the initial state, in which no pair is open."""
-        return cls(np.full(pairs, np.nan), 0.0, np.zeros(pairs))
+    def starting(cls, displacement: float, gap: Array, thickness: float) -> PairOnsets:
+        """Return the onsets where the curves start, with these mean gaps, shape (pairs,), and wall thickness [length].
+        """
+        return cls(np.where(gap >= ONSET * thickness, displacement, np.nan), displacement, gap)
 
     def after(self, displacement: float, gap: Array, thickness: float) -> PairOnsets:
         """Return the onsets after one more level with these mean gaps, shape (pairs,), and wall thickness [length]."""

@@ -112,6 +112,12 @@ class WallRecord:
     onset : float
         Plate displacement at which the pair's mean gap first reached 5 % of the wall's thickness [length]; NaN where it
         has not.
+    normal_force : float
+        Sum of the magnitudes of the normal contact forces between the two, wherever they touch
+        [stress * length**2], >= 0.
+    contact_pressure : float
+        Mean contact pressure: the normal force over the deformed length on which `cell_a` is under more than a
+        hundredth of its largest pressure from `cell_b` [stress], >= 0.
     """
 
     step: int
@@ -125,6 +131,8 @@ class WallRecord:
     parted: bool
     component: int
     onset: float
+    normal_force: float = 0.0
+    contact_pressure: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,10 +10,36 @@ from ngcell.contact.pairing.search import nearest_on_body
 from ngcell.contact.surface.surface import Surface
 from ngcell.mechanics.term import Configuration
 from ngcell.problem.problem import Problem
-from ngcell.problem.reports import contact_pressures
+from ngcell.problem.reports import contact_pressures, interaction
 from ngcell.results.patterns import wall_pattern
 
 Array = NDArray[np.float64]
+
+
+#: Share of the largest pressure from which on a point counts as in contact.
+_PRESSED = 1e-2
+
+
+def pressed_lengths(walls: Surface, pairs: NDArray[np.int64], problem: Problem, at: Configuration) -> Array:
+    """Return the deformed length, or area, on which each pair of bodies is in contact, shape (pairs,).
+
+    It is that of the first body's facets which the other body presses, as far as their pressure exceeds a hundredth of
+    the largest there.
+    """
+    acting, found = interaction(problem.terms, at), np.zeros(len(pairs))
+    nodes, places = walls.nodes(at.positions), walls.quadrature_points
+    nominal = contact_pressures(problem.terms, at, walls.on_each_facet(places, walls.weights))
+    if nominal is None:
+        return found
+    ratio = walls.stretch(nodes, places) / walls.stretch(walls.rest, places)
+    pressure, length = nominal.reshape(walls.weights.shape) / ratio, walls.weights * ratio
+    for number, (one, two) in enumerate(pairs):
+        mine = [acting.facets[(acting.bodies == turn).all(1), side] for side, turn in enumerate(((one, two), (two, one)))]
+        facets = np.unique(np.concatenate(mine))
+        if len(facets):
+            is_pressed = pressure[facets] > _PRESSED * pressure[facets].max()
+            found[number] = length[facets][is_pressed].sum()
+    return found
 
 
 def wall_fields(walls: Surface, facing: FacingWalls, problem: Problem, at: Configuration) -> tuple[Array, Array]:

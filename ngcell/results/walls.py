@@ -61,9 +61,12 @@ def find_components(facing: FacingWalls, parted: NDArray[np.bool_], bodies: int)
 
 
 def wall_records(
-    facing: FacingWalls, measured: Measurement, step: int, thickness: float, onset: Array
+    facing: FacingWalls, measured: Measurement, step: int, thickness: float, onset: Array, pressed: Array
 ) -> list[WallRecord]:
-    """Return a row for each facing pair of a step; `onset` is where each has opened, shape (pairs,)."""
+    """Return a row for each facing pair of a step; `onset` is where each has opened, shape (pairs,).
+
+    `pressed` is the deformed length on which the pair is in contact [length], shape (pairs,).
+    """
     count = len(facing.pairs)
     is_open = measured.gap > OPEN * thickness
     largest = np.full(count, -np.inf)
@@ -73,7 +76,8 @@ def wall_records(
     share = np.bincount(facing.pair, facing.weight * is_open, count) / length
     parted = parted_pairs(facing, measured.gap, thickness)
     component = find_components(facing, parted, len(measured.forces.on_body)).of_body
-    force = measured.forces.between(facing.pairs)
+    force, normal = measured.forces.between(facing.pairs), measured.forces.normal_between(facing.pairs)
+    pressure = np.divide(normal, pressed, out=np.zeros(count), where=pressed > 0)
     return [
         WallRecord(
             step=step,
@@ -87,6 +91,8 @@ def wall_records(
             parted=bool(parted[pair]),
             component=int(component[one]),
             onset=float(onset[pair]),
+            normal_force=float(normal[pair]),
+            contact_pressure=float(pressure[pair]),
         )
         for pair, (one, two) in enumerate(facing.pairs)
     ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from difflib import get_close_matches
 from pathlib import Path
 
@@ -36,6 +37,11 @@ def find_case(path_or_name: str | Path) -> Path:
     shipped = shipped_cases()
     if str(path_or_name) in shipped:
         return shipped[str(path_or_name)]
+    if _holds(path, Path.is_dir):
+        raise CaseError(
+            f"{path_or_name}: a folder without a case.toml; allowed: the path of a TOML file, a folder with a "
+            f"case.toml, or one of {', '.join(shipped)}"
+        )
     near = get_close_matches(path.stem, shipped, n=1)
     raise CaseError(
         f"{path_or_name}: no such case file"
@@ -46,7 +52,14 @@ def find_case(path_or_name: str | Path) -> Path:
 
 def case_in(path: Path) -> Path | None:
     """Return the case file that a path, or a folder with a `case.toml`, means; None if there is none."""
-    return next((file for file in (path, path / "case.toml") if file.is_file()), None)
+    return next((file for file in (path, path / "case.toml") if _holds(file, Path.is_file)), None)
+
+
+def _holds(path: Path, question: Callable[[Path], bool]) -> bool:
+    try:
+        return question(path)
+    except OSError:  # such as a name that is too long for the file system
+        return False
 
 
 def case_name(file: Path) -> str:

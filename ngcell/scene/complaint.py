@@ -69,11 +69,14 @@ def complaints(error: ValidationError, text: CaseText) -> list[str]:
         if mistake not in unknown and (mistake.sort != "missing" or mistake.path not in explained)
     ]
     in_order = sorted(unknown, key=text.order) + sorted(others, key=text.order)
-    return [f"{_where(mistake.path, text)}: {_what(mistake, text.table)}" for mistake in in_order]
+    lines = (f"{_where(mistake.path, text)}: {_what(mistake, text.table)}" for mistake in in_order)
+    return list(dict.fromkeys(lines))
 
 
 def _mistake(detail: ErrorDetails, table: dict[str, Any]) -> Mistake:
     sort, path = detail["type"], tuple(_file_path(detail, table))
+    if _is_of_a_choice(detail, table):
+        return Mistake("choice", path, "")
     if sort == "missing" and isinstance(path[-1], int):
         return Mistake("too_short", path[:-1], "")
     if sort in (KIND_MISSING, KIND_UNKNOWN):
@@ -83,15 +86,30 @@ def _mistake(detail: ErrorDetails, table: dict[str, Any]) -> Mistake:
 
 
 def _file_path(detail: ErrorDetails, table: Any) -> Iterator[str | int]:
-    """Yield the place of a mistake as the file spells it, without the kinds that the validator adds."""
+    """Yield the place of a mistake as the file spells it, without the kinds that the validator adds.
+
+    Where a value may be of one sort or of another, the validator goes on with the name of the sort, once for each: the
+    value itself is to blame.
+    """
     *inner, last = detail["loc"]
     for part in inner:
-        if isinstance(part, str) and isinstance(table, dict) and part not in table:
+        if isinstance(part, str) and not isinstance(table, dict):
+            return
+        if isinstance(part, str) and part not in table:
             continue
         yield part
         table = table[part]
-    if detail["type"] == "missing" or not isinstance(table, dict) or last in table:
+    if detail["type"] == "missing" or _value_at((last,), table) is not None or isinstance(last, int):
         yield last
+
+
+def _is_of_a_choice(detail: ErrorDetails, table: Any) -> bool:
+    """Return whether a mistake is one of several, one for each sort that a value might be of."""
+    for part in detail["loc"]:
+        if isinstance(part, str) and not isinstance(table, dict):
+            return True
+        table = _value_at((part,), table) if not isinstance(table, dict) or part in table else table
+    return False
 
 
 def _where(path: KeyPath, text: CaseText) -> str:

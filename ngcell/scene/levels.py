@@ -11,6 +11,7 @@ from pydantic_core import PydanticCustomError
 #: More levels than this are a typing error; steps between them are chosen by the solver anyway.
 MOST_LEVELS = 1000
 
+
 def _levels(value: Any) -> int | tuple[float, ...]:
     """Return a number of levels, or the load factors themselves, as they were given but checked."""
     if type(value) is int and 1 <= value <= MOST_LEVELS:
@@ -18,7 +19,7 @@ def _levels(value: Any) -> int | tuple[float, ...]:
     if isinstance(value, (list, tuple)) and all(type(factor) in (int, float) for factor in value):
         factors = tuple(float(factor) for factor in value)
         # Written so that a NaN, for which every comparison is false, is refused as well.
-        if factors and all(0 <= to <= 1 and before != to for before, to in pairwise((0.0, *factors))):
+        if factors and all(0 <= to <= 1 for to in factors) and all(before != to for before, to in pairwise(factors)):
             return factors
     raise PydanticCustomError(
         "limit",

@@ -43,6 +43,13 @@ def read_case(path_or_name: str | Path, overrides: Sequence[str] = ()) -> AnyCas
         The file cannot be read or is no case; one line for each mistake.
     """
     file = find_case(path_or_name)
+    try:
+        return _checked(file, overrides)
+    except RecursionError:
+        raise CaseError(f"{file}: tables or lists are nested too deep; allowed: the keys of a case") from None
+
+
+def _checked(file: Path, overrides: Sequence[str]) -> AnyCase:
     said = read_table(file)
     if _is_another_scene(override_paths(overrides)):
         said.table.pop("expected", None)

@@ -7,12 +7,18 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
+from ngcell.scene.case import Case
+from ngcell.scene.case_of_bodies import BodyCase
 from ngcell.scene.choice import DEFAULT_KIND
 from ngcell.scene.kinds import AnyCase, kind_of_case
 from ngcell.scene.lines import KeyPath
 from ngcell.scene.registry import registered
 
 Node = dict[str, Any]
+
+#: The key of a case file that is none of a case: it names the case that the file extends.
+EXTENDS = "extends"
+_PART = "InPart"
 
 
 def _schema() -> Node:
@@ -27,7 +33,29 @@ def _schema_of(own_kinds: tuple[type, ...]) -> Node:
 
 def schema() -> Node:
     """Return the JSON schema of a case file of either kind."""
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **_schema()}
+    whole = _schema()
+    definitions = {**whole["$defs"], **{f"{name}{_PART}": _in_part(node) for name, node in whole["$defs"].items()}}
+    parts = [definitions[kind.__name__ + _PART] for kind in (Case, BodyCase)]
+    for part in parts:
+        part["properties"][EXTENDS] = {"type": "string", "description": "Case whose keys are taken over."}
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$defs": definitions,
+        "if": {"required": [EXTENDS]},
+        "then": {"anyOf": [{"$ref": f"#/$defs/{kind.__name__}{_PART}"} for kind in (Case, BodyCase)]},
+        "else": {key: value for key, value in whole.items() if key != "$defs"},
+    }
+
+
+def _in_part(node: Any) -> Any:
+    """Return the schema of what a case that extends another says: any part of what a whole case says."""
+    if isinstance(node, list):
+        return [_in_part(item) for item in node]
+    if not isinstance(node, dict):
+        return f"{node}{_PART}" if isinstance(node, str) and node.startswith("#/$defs/") else node
+    kept = {key: _in_part(value) for key, value in node.items() if key not in ("required", "discriminator", "oneOf")}
+    # Without its kind, which may be inherited, a table may be of several kinds.
+    return {**kept, "anyOf": _in_part(node["oneOf"])} if "oneOf" in node else kept
 
 
 def node_at(path: KeyPath, table: Any) -> Node:

@@ -79,6 +79,7 @@ class Minimiser:
         if not np.isfinite(state.energy):
             return Minimum(state, Ending.NO_ENERGY, decrement, proximal)
         for _ in range(most or self.options.most_iterations):
+            self.clock.check()
             self.effort.iterations += 1
             advance = self._descend(state, proximal, damping, tolerance)
             if advance is None:
@@ -109,6 +110,22 @@ class Minimiser:
         matrix.factorise(values)
         self.effort.factorisations += 1
         return displacement + jump - matrix.solve(matrix.multiply(values, jump))
+
+    def foresee(self, displacement: Array, imposed: Array, weight: float) -> Array:
+        """Return what `predict` does, with walls that open and close as the linearised gaps of all near ones say."""
+        state = self._at(displacement)
+        jump = np.where(self.problem.free, 0.0, imposed - displacement)
+        model, matrix = self._model(state, self.problem.linearise(state), ProximalTerm(weight, displacement), 0.0)
+        driven = np.where(self.problem.free, model.gradient + matrix.multiply(model.stiffness, jump), 0.0)
+        moved = replace(model, gradient=driven, gap=model.gap + model.jacobian @ jump)
+        step, _, rounds = minimise_one_sided(moved, matrix, self.options.inner)
+        self.effort.factorisations += rounds
+        return displacement + jump + step
+
+    def may_touch(self, displacement: Array, way: float) -> bool:
+        """Return whether bodies may come into contact while nothing moves by more than `way` [length]."""
+        row, column = self.problem.couplings(self._at(displacement), 2 * way)
+        return bool((self.problem.part[row] != self.problem.part[column]).any())
 
     def adopt_matrix(self, other: Minimiser) -> None:
         """Take over the matrix of a minimiser that has the same unknowns and bodies, if there is none yet."""

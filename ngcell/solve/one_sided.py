@@ -24,7 +24,8 @@ Index = NDArray[np.int64]
 
 
 class Matrix(Protocol):
-    """A symmetric matrix with a lasting pattern, and a solver for it; `add_springs` makes what `factorise` takes."""
+    """A symmetric matrix with a lasting pattern, and a solver for it; `add_penalty_terms` makes what `factorise` takes.
+    """
 
     @property
     def entry_count(self) -> int:
@@ -58,7 +59,7 @@ class Matrix(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class OneSidedModel:
-    """``m(d) = gradient d + d K d / 2 + sum_i spring_i min(0, gap_i + jacobian_i d)^2 / 2``.
+    """``m(d) = gradient d + d K d / 2 + sum_i penalty_i min(0, gap_i + jacobian_i d)^2 / 2``.
 
     Attributes
     ----------

@@ -18,4 +18,7 @@ class Outcome(Enum):
         "the released walls found no equilibrium, even in the smallest load step; "
         "refine the mesh (mesh.size), round the corners (tissue.corner_radius) or ask for smaller load steps"
     )
+    OUT_OF_TIME = (
+        "the run has taken the time that it was given (--max-minutes); resume it with more, or without a limit"
+    )
     STOPPED = "stopped from outside"

@@ -67,7 +67,18 @@ class Released:
 
     def predict(self, displacement: Array, imposed: Array) -> Array:
         """Return the displacement that follows, to first order, when prescribed values jump."""
-        return self.minimisers[-1].predict(displacement, imposed, self.path.scale * self.path.options.last)
+        return self.minimisers[-1].foresee(displacement, imposed, self.path.scale * self.path.options.last)
+
+    def pieces(self, displacement: Array, imposed: Array) -> int:
+        """Return in how many increments prescribed values are to jump for no wall to be passed unseen.
+
+        Contact is searched within two longest steps: walls of which none moves further than one of them cannot pass
+        each other. Where nothing can touch on the whole way, one increment does.
+        """
+        way = float(np.abs(imposed - displacement).max())
+        if self.is_alone or way <= self.longest_step or not self.minimisers[-1].may_touch(displacement, way):
+            return 1
+        return int(np.ceil(way / self.longest_step * (1 - 1e-9)))
 
     def step(self, start: Array, centre: Array, load: float, *, may_stall: bool = True) -> Accepted:
         """Return the selected equilibrium; see `Continuation.select`.

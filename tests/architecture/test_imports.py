@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -18,8 +19,8 @@ IDS = [str(module.relative_to(PACKAGE)) for module in MODULES]
 
 #: Rooms in their order: each may import those named before it, besides itself.
 ORDER = (
-    "errors", "clock", "scene", "geometry", "mechanics", "contact", "problem", "results", "build", "export", "run",
-    "cli",
+    "errors", "clock", "scene", "geometry", "mechanics", "contact", "problem", "results", "build", "export",
+    "recording", "run", "cli",
 )  # fmt: skip
 
 #: Rooms that may import less: what they do not name they cannot come to depend on.
@@ -28,16 +29,21 @@ NARROW = {
     "scene": {"errors"},
     "geometry": {"errors", "scene"},
     "export": {"errors", "scene", "results"},
-    # The solver knows a problem by protocol only.
-    "solve": {"errors", "clock"},
+    # The solver knows a problem by protocol only, and of scenes what sections of cases are made of.
+    "solve": {"errors", "clock", "scene"},
     # The command line hands on what a case says, and shows what came of it.
-    "cli": {"errors", "scene", "results", "export", "run", "__version__"},
+    "cli": {"errors", "scene", "results", "export", "recording", "run", "__version__"},
     # The table of contents names what it offers to type checkers; at run time it imports on demand.
     "__init__": {*ORDER, "solve"} - {"cli"},
     "__main__": {"cli"},
 }
 #: Rooms that may import the solver.
-SOLVING = {"build", "run"}
+SOLVING = {"build", "recording", "run"}
+
+#: Modules of the scene that kinds may know, wherever they stand: what sections are made of. No case, no reader.
+SECTIONS = {"bodies", "choice", "entries", "levels", "scope", "section"}
+#: Rooms that may know less of the scene.
+SECTIONS_OF = {"solve": {"section"}}
 
 
 def allowed(room: str) -> set[str]:
@@ -59,6 +65,7 @@ UNKNOWN = {
     "export": {"click", "rich"},
     "problem": PICTURES | {"click", "rich"},
     "build": PICTURES | {"click", "rich"},
+    "recording": PICTURES | {"click", "rich"},
     "run": PICTURES | {"click", "rich"},
     "cli": NUMERICS | PICTURES,
     "errors": NUMERICS | PICTURES | {"click", "rich", "pydantic"},
@@ -95,6 +102,15 @@ def test_rooms_import_only_the_rooms_before_them(module: Path) -> None:
 
 
 @pytest.mark.parametrize("module", MODULES, ids=IDS)
+def test_kinds_know_of_the_scene_what_sections_are_made_of(module: Path) -> None:
+    room = room_of(module)
+    is_kind = room != "scene" and re.search(r"^    kind: Literal\[", module.read_text(), re.MULTILINE)
+    if is_kind or room in SECTIONS_OF:
+        used = {parts[2] for parts in imports(module) if parts[:2] == ("ngcell", "scene")}
+        assert used <= SECTIONS_OF.get(room, SECTIONS)
+
+
+@pytest.mark.parametrize("module", MODULES, ids=IDS)
 def test_rooms_do_not_know_the_libraries_of_others(module: Path) -> None:
     used = {parts[0] for parts in imports(module)}
     assert not used & UNKNOWN.get(room_of(module), set())
@@ -128,7 +144,8 @@ def test_a_scene_without_fluids_and_fibres_does_not_load_them() -> None:
     program = (
         "import sys\nfrom ngcell.scene import read_case\nfrom ngcell.run import inspect\n"
         "inspect(read_case('shear-empty-3x3'))\n"
-        "print(*(name for name in ('fluid', 'fibres') if f'ngcell.mechanics.{name}' in sys.modules))"
+        "print(*(name for name in ('fluid', 'lumens.fluid', 'laws.fibres', 'laws.custom')"
+        " if f'ngcell.mechanics.{name}' in sys.modules))"
     )
     loaded = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert loaded.stdout.split() == []

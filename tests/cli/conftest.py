@@ -60,10 +60,10 @@ class FakeRun:
     asked: list[tuple[Case, Path, int | None]] = field(default_factory=list)
 
     def record(
-        self, case: Case, out: Path, *, threads: int | None = None, verify_penalty: bool = False
+        self, case: Case, out: Path, *, threads: int | None = None, force: bool = False, **how: object
     ) -> FakeRecording:
         self.asked.append((case, out, threads))
-        return FakeRecording(self, case, out)
+        return FakeRecording(self, case, out, force)
 
     def inspect(self, case: Case) -> dict[str, Any]:
         if self.error:
@@ -76,6 +76,7 @@ class FakeRecording:
     run: FakeRun
     case: Case
     out: Path
+    force: bool = False
     outcome: str = "converged"
 
     @property
@@ -89,7 +90,7 @@ class FakeRecording:
     def __iter__(self) -> Iterator[StepRecord]:
         from ngcell.export import ResultFolder
 
-        with ResultFolder(self.out, case_text=resolved_toml(self.case)) as folder:
+        with ResultFolder(self.out, case_text=resolved_toml(self.case), force=self.force) as folder:
             for step, factor in enumerate(self.case.load.level_factors):
                 if self.run.error and step == self.run.stop_after:
                     raise self.run.error

@@ -12,11 +12,12 @@ import pytest
 from click.testing import CliRunner, Result
 
 from ngcell.cli import ngcell
-from ngcell.errors import NotConverged
+from ngcell.errors import GeometryError, NotConverged
 from ngcell.scene import read_case
 from tests.cli.conftest import FakeRun
 
 CASE = "shear-empty-3x3"
+WRONG_TIMES = [(CASE, "--max-minutes", word) for word in ("0", "-1", "nan", "inf", "soon")]
 
 
 def solve(*arguments: str) -> Result:
@@ -47,7 +48,7 @@ def test_progress_is_a_plain_line_for_each_step_where_there_is_no_terminal(
 ) -> None:
     lines = solve(CASE).stderr.splitlines()
     assert len(lines) == 5
-    assert lines[2].startswith("step   2  contact   load 0.6000  largest gap  2.000e-02  parted    2")
+    assert lines[2].startswith("step   2  released  load 0.6000  largest gap  2.000e-02  parted    2")
     assert solve(CASE, "--quiet").stderr == ""
 
 
@@ -71,7 +72,7 @@ def test_uncertified_run_answers_4_and_says_so(fake_run: FakeRun, in_empty_folde
 
 def test_run_that_does_not_converge_answers_4_and_says_what_is_kept(fake_run: FakeRun, in_empty_folder: Path) -> None:
     fake_run.stop_after = 3
-    fake_run.error = NotConverged("step too small at load 0.7", outcome="step-too-small", record_count=3)
+    fake_run.error = NotConverged("step too small at load 0.7", outcome="step-too-small", steps=(None,) * 3)
     answer = solve(CASE)
     assert answer.exit_code == 4
     assert answer.stdout == ""
@@ -94,11 +95,30 @@ def test_stopped_run_answers_4_and_keeps_what_it_accepted(
     assert json.loads((folder / "summary.json").read_text())["status"] == "stopped"
 
 
-def test_earlier_result_is_overwritten(fake_run: FakeRun, in_empty_folder: Path) -> None:
+def test_earlier_result_is_replaced_by_force_only(fake_run: FakeRun, in_empty_folder: Path) -> None:
     solve(CASE)
-    answer = solve(CASE, "--set", "load.levels=2")
+    answer = solve(CASE, "--quiet", "--set", "load.levels=2")
+    assert answer.exit_code == 4
+    assert answer.stderr.splitlines() == [
+        f"out/{CASE} holds the accepted steps of an earlier run; replace them with --force (from Python: force=True) "
+        "or choose another folder"
+    ]
+    assert len(history(in_empty_folder / "out" / CASE)) == 5
+    answer = solve(CASE, "--force", "--set", "load.levels=2")
     assert answer.exit_code == 0
     assert len(history(in_empty_folder / "out" / CASE)) == 2
+
+
+@pytest.mark.parametrize("error", [GeometryError("no"), NotConverged("no", outcome="TIED_FAILED"), KeyboardInterrupt()])
+def test_earlier_result_outlives_a_run_without_an_accepted_step(
+    fake_run: FakeRun, in_empty_folder: Path, error: BaseException
+) -> None:
+    solve(CASE)
+    folder = in_empty_folder / "out" / CASE
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    fake_run.error, fake_run.stop_after = error, 0
+    assert solve(CASE, "--force").exit_code in (3, 4)
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
 
 
 def test_folder_with_something_else_is_left_alone(fake_run: FakeRun, tmp_path: Path) -> None:
@@ -132,8 +152,8 @@ def test_read_only_folder_is_one_line(fake_run: FakeRun, tmp_path: Path, monkeyp
 def test_full_disk_is_one_line_and_keeps_what_was_accepted(
     fake_run: FakeRun, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    # The summary and the case come first, then a summary after each accepted step.
-    refuse_writes(monkeypatch, after=4, reason=errno.ENOSPC)
+    # The summary, the case and the summary again come first, then a summary after each accepted step.
+    refuse_writes(monkeypatch, after=5, reason=errno.ENOSPC)
     answer = solve(CASE, "--quiet", "--out", str(tmp_path / "out"))
     assert answer.exit_code == 4
     assert len(answer.stderr.splitlines()) == 1
@@ -158,7 +178,7 @@ def refuse_writes(monkeypatch: pytest.MonkeyPatch, *, after: int, reason: int) -
 
 @pytest.mark.parametrize(
     "arguments",
-    [(), (CASE, "--threads", "0"), (CASE, "--set", "tissue.wall"), (CASE, "--loud"), (CASE, "and-another")],
+    [(), (CASE, "--threads", "0"), (CASE, "--set", "tissue.wall"), (CASE, "--loud"), (CASE, "and-another"), *WRONG_TIMES],
 )
 def test_wrong_usage_answers_2(fake_run: FakeRun, arguments: tuple[str, ...]) -> None:
     assert solve(*arguments).exit_code == 2

@@ -46,7 +46,7 @@ def displaced(tissue: SmallTissue, right: ngsolve.CF) -> ngsolve.GridFunction:
     return field
 
 
-def bulging(closest: float) -> ngsolve.CF:
+def bent_out(closest: float) -> ngsolve.CF:
     """A displacement that bends the right cell's wall: nearest in its middle, 0.04 further at its ends."""
     x, y = ngsolve.x - np.sqrt(3) / 2, ngsolve.y
     return ngsolve.CF((closest + 0.16 * y * y + 0.02 * x * y, 0.02 - 0.05 * y))
@@ -90,7 +90,7 @@ def on_facing_walls(tissue: SmallTissue, kinematics: GapKinematics) -> np.ndarra
 @pytest.mark.parametrize("order", [2, 3])
 def test_closest_points_are_those_of_ngsolve_where_walls_are_apart(order):
     tissue = facing_cells(order)
-    field = displaced(tissue, bulging(0.03))
+    field = displaced(tissue, bent_out(0.03))
     mesh = tissue.bodies.mesh
     contact = ngsolve.ContactBoundary(mesh.Boundaries("left"), mesh.Boundaries("right"))
     contact.Update(field, maxdist=REACH)
@@ -112,7 +112,7 @@ def test_closest_points_are_those_of_ngsolve_where_walls_are_apart(order):
 
 
 @pytest.mark.parametrize(
-    ("order", "shape"), [(1, shortened), (2, shortened), (2, bulging), (3, bulging)]
+    ("order", "shape"), [(1, shortened), (2, shortened), (2, bent_out), (3, bent_out)]
 )  # at order 1 a sagitta would have kinks, where pairs differ
 def test_energy_and_forces_are_those_of_the_symbolic_form(order, shape):
     tissue = facing_cells(order)

@@ -198,7 +198,7 @@ def pressed_pair(order: int) -> tuple[Cells, State, MortarSet, np.ndarray]:
 
 
 @pytest.mark.parametrize("order", ORDERS)
-def test_updated_pressures_are_what_the_penalty_terms_push_with(order):
+def test_updated_pressures_are_what_the_penalty_terms_press_with(order):
     """With them, and walls that just touch, the same forces act; what was updated is told as a gap."""
     pair, state, contact, positions = pressed_pair(order)
     force, applied = pair.problem.force(state.at, Role.INTERACTION), contact.pressures(positions)

@@ -61,7 +61,7 @@ def test_forces_vanish_when_the_walls_part_and_set_in_without_a_jump():
     np.testing.assert_allclose(np.array(forces[2:]) / forces[-1], [1e-6, 1e-3, 1], rtol=0.05)
 
 
-def test_forces_between_bodies_are_equal_and_opposite_and_push_apart():
+def test_forces_between_bodies_are_equal_and_opposite_and_drive_apart():
     tissue = small_tissue(1, 2, order=3)
     state = tissue.released.at(moved(tissue, 0.03))
     force = tissue.released.force(state.at, Role.INTERACTION).reshape(2, -1)

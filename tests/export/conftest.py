@@ -53,7 +53,8 @@ def make_record():
     def make(step: int, gap: float = 0.1, **changes) -> StepRecord:
         row = dict(
             step=step, phase="released", load_factor=step / 20, plate_displacement=step / 10, largest_gap=gap,
-            mean_gap=gap / 3, smallest_gap=-1e-17, parted_pairs=step, opened_share=0.5, components=1, largest_component=2,
+            mean_gap=gap / 3, smallest_gap=-1e-17, parted_pairs=step, opened_share=0.5, components=1,
+            largest_component=2,
             plate_force_x=1 / 3, plate_force_y=-2 / 3, contact_force=0.1, energy=1e-300, iterations=7, factorisations=8,
             seconds=0.1, certified=True,
         )  # fmt: skip

@@ -169,7 +169,7 @@ def test_forces_are_the_pressure_on_the_deformed_line(name):
     assert -scene.gradient(at, 1.0) @ way == pytest.approx(work, rel=1e-9)
 
 
-def test_a_closed_line_pushes_nowhere_and_a_pressure_pushes_on_the_body():
+def test_a_closed_line_is_pressed_nowhere_and_a_pressure_presses_on_the_body():
     scene = SCENES["bore"]()
     at = scene.smooth(0.2, 1)
     force = scene.gradient(at, 1.0).reshape(2, -1)

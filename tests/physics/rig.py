@@ -22,7 +22,6 @@ from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.mechanics.symbolic import fused
 from ngcell.problem.problem import Problem
 from ngcell.results.forces import ContactForces, contact_forces
-from ngcell.scene import MooneyRivlin
 from ngcell.scene.bodies import BodyScene, BodySupport
 from ngcell.solve.continuation import Continuation
 from ngcell.solve.minimise import Minimiser

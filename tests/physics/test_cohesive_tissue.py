@@ -29,7 +29,7 @@ def test_no_strength_is_unilateral_contact():
     np.testing.assert_allclose(loose.displacement, free.displacement, atol=1e-5)
 
 
-@pytest.mark.parametrize("strategy", ["sddp", "single-step"])
+@pytest.mark.parametrize("strategy", ["sddp", "load-stepping"])
 def test_endless_strength_is_the_tied_solid(strategy):
     """Contact is stiffened along with the bonds: what presses is left to it."""
     away = []

@@ -7,7 +7,6 @@ import pytest
 from scipy.optimize import brentq
 
 from ngcell.build.simulation import Simulation
-from ngcell.mechanics.loading import end_loads
 from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.mechanics.term import Role
@@ -40,7 +39,7 @@ def test_a_cell_between_pressed_ends_is_in_balance_at_the_stretch_of_the_closed_
     load = scene.load.model_copy(update={"ends": "pressed", "end_pressure": pressure})
     simulation = Simulation(scene)
     space = simulation.space
-    applied = BoundaryLoads(space, end_loads(load), PrescribedMotion(space, []))
+    applied = BoundaryLoads(space, load.tractions(), PrescribedMotion(space, []))
     applied.apply(1.0)
     at = space.affine(np.diag([across, across, along]) - np.eye(3), np.zeros(3)).ravel()
     force = applied.gradient(space.configuration(at))
@@ -67,7 +66,7 @@ def test_pressed_ends_and_moved_plates_obey_the_theorem_of_betti():
     assert moved.record.certified
     applied = BoundaryLoads(
         simulation.space,
-        end_loads(scene.load.model_copy(update={"ends": "pressed", "end_pressure": small})),
+        scene.load.model_copy(update={"ends": "pressed", "end_pressure": small}).tractions(),
         simulation.motion,
     )
     applied.apply(1.0)

@@ -50,7 +50,7 @@ def test_traction_between_solids_follows_the_law():
     np.testing.assert_allclose(force, LAW.traction(opening), atol=1e-6 * LAW.strength)
 
 
-@pytest.mark.parametrize("kind", ["sddp", "single-step"])
+@pytest.mark.parametrize("kind", ["sddp", "load-stepping"])
 def test_bonded_prisms_held_along_their_axis_are_bonded_cells(kind):
     parts = {"cohesion": {"strength": 0.02, "energy": 0.0005}, "strategy": {"kind": kind}}
     planar = list(Simulation(case(None, **parts)).accepted_steps())

@@ -49,9 +49,9 @@ def test_t3_no_step_stores_more_than_the_supports_put_in():
     for step in steps:
         measured = step.measurement
         advance = measured.load_factor - load
-        work += advance * (measured.support_work_rate + rate) / 2
-        slack = advance * abs(measured.support_work_rate - rate) / 2
-        load, rate = measured.load_factor, measured.support_work_rate
+        work += advance * (measured.work.support_work_rate + rate) / 2
+        slack = advance * abs(measured.work.support_work_rate - rate) / 2
+        load, rate = measured.load_factor, measured.work.support_work_rate
         assert measured.energy <= work + slack
     assert work > 0
 
@@ -61,7 +61,7 @@ def test_t3_the_work_on_the_tied_solid_is_its_energy():
     steps = ngcell.simulate(ngcell.read_case("shear-empty-3x3", sets))
     tied = [step.measurement for step in steps if step.record.phase == "tied"]
     load = np.array([0.0, *(one.load_factor for one in tied)])
-    rate = np.array([0.0, *(one.support_work_rate for one in tied)])
+    rate = np.array([0.0, *(one.work.support_work_rate for one in tied)])
     # Fourth-order differences: the trapezoidal error of 16 steps is removed by extrapolation from 8.
     fine, coarse = np.trapezoid(rate, load), np.trapezoid(rate[::2], load[::2])
     assert (4 * fine - coarse) / 3 == pytest.approx(tied[-1].energy, rel=1e-5)

@@ -65,7 +65,7 @@ def snapshot(problem: Problem, displacement: np.ndarray, **data: dict[str, np.nd
     return take_snapshot(problem, at, Label(4, 0.5, 0.2), walls=walls, **given)
 
 
-def interpolated(problem: Assembly, field: ngsolve.CoefficientFunction) -> np.ndarray:
+def interpolated(problem: Problem, field: ngsolve.CoefficientFunction) -> np.ndarray:
     function = ngsolve.GridFunction(problem.space.vector)
     function.Set(field)
     return function.vec.FV().NumPy().copy()

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 import pytest
 
-from ngcell import run
 from ngcell.build.memory import entry_count, foreseen_memory
+from ngcell.build.options import Options
 from ngcell.build.simulation import Simulation
 from ngcell.run import inspect
 from ngcell.solve.options import MinimiserOptions, SolverOptions
@@ -28,17 +26,15 @@ def test_entries_are_those_of_the_matrix_that_a_release_makes(height):
     assert told["memory_foreseen_gib"] == pytest.approx(foreseen_memory(entries), abs=0.005)
 
 
-def test_matrices_of_the_iterative_solver_have_room_for_no_contact(monkeypatch):
-    options = SolverOptions(minimiser=MinimiserOptions(most_direct=0))
-    monkeypatch.setattr(run, "Simulation", partial(Simulation, options=options))
+def test_matrices_of_the_iterative_solver_have_room_for_no_contact():
+    options = Options(solver=SolverOptions(minimiser=MinimiserOptions(most_direct=0)))
     simulation = Simulation(case(0.4), options=options)
     minimiser = simulation.released.minimisers[0]
     minimiser._make_room(minimiser.problem.at(np.zeros(simulation.space.unknowns)))
     entries = entry_count(simulation.problem, minimiser)
     assert entries == minimiser._system.matrix.entry_count
-    told = inspect(case(0.4))
+    told = inspect(case(0.4), options=options)
     assert told["solver"] == "iterative" and told["matrix_entries"] == entries
-    monkeypatch.undo()
     told = inspect(case(0.4))
     assert told["solver"] == "direct" and told["matrix_entries"] > entries
 

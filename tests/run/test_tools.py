@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+import json
+from operator import attrgetter
 from pathlib import Path
+from time import process_time
 
 import pytest
 from click import Context
 from click.testing import CliRunner
 
+import ngcell
+from ngcell.scene import resolved_toml
 from tools import extreme, references, studies
-from tools.studies import constants, patching
+from tools.studies import constants, numbers
+from tools.studies.iterations import ITERATIONS, iterated
+from tools.studies.timed import Stopwatch, Timed
 
+NARROWEST = "solver.continuation.narrowest"
 TOOLS = Path(extreme.__file__).parents[1]
 GROUPS = {group.__name__: group.commands for group in (references, studies, extreme)}
 EACH = [(package, name) for package, group in GROUPS.items() for name in group.list_commands(Context(group))]
@@ -36,8 +44,48 @@ def test_modules_are_no_scripts():
 
 
 @pytest.mark.parametrize("number", constants.CHANGES)
-def test_numbers_of_the_solver_are_changed_where_they_are_and_put_back(number):
-    before = patching.usual(number)
-    with patching.changed(number, 2 * before):
-        assert patching.usual(number) == 2 * before
-    assert patching.usual(number) == before
+def test_a_number_of_the_solver_is_changed_in_the_record_that_is_handed_down_and_no_other(number):
+    before, options = numbers.usual(number), numbers.changed(number, 2 * numbers.usual(number))
+    found = {name: attrgetter(name)(options) for name in numbers.names()}
+    assert {name: value for name, value in found.items() if value != numbers.usual(name)} == {number: 2 * before}
+    assert numbers.usual(number) == before
+
+
+def test_a_scene_is_run_with_the_numbers_that_are_handed_down():
+    """A path whose weights fall in steps half as wide has more minimisations, and ends where the usual one ends."""
+    usual, fine = (constants.run("empty", options) for options in (None, numbers.changed(NARROWEST, 0.25)))
+    assert fine["iterations"] > usual["iterations"] and fine["certified"] == usual["certified"] == 1
+    assert fine["energy"] == pytest.approx(usual["energy"], rel=1e-6)
+
+
+def test_a_point_of_the_map_is_solved_to_its_tolerance_and_the_condition_of_its_tangent_told(tmp_path):
+    found = {}
+    for tolerance in ("1", "1e6"):
+        folder = tmp_path / tolerance
+        settings = ["tissue.rows=2", "tissue.cols=2", "mesh.order=1", "load.levels=1"]
+        case = tmp_path / "case.toml"
+        case.write_text(resolved_toml(ngcell.read_case("shear-empty", settings)))
+        answer = CliRunner().invoke(GROUPS[extreme.__name__], ["one", str(case), str(folder), "--tolerance", tolerance])
+        assert answer.exit_code in (0, 4), answer.output
+        found[tolerance] = json.loads((folder / "summary.json").read_text())
+        assert 1e3 < float(answer.output.split()[-1]) < 1e20
+        assert not list(folder.glob("*.png"))
+    assert found["1"]["certified"]
+    assert found["1e6"]["iterations"] < found["1"]["iterations"]
+
+
+def test_seconds_of_contact_are_part_of_a_run_that_they_do_not_change():
+    case = ngcell.read_case("shear-empty-3x3", ["load.levels=1", "mesh.order=1"])
+    contact, started = Stopwatch(), process_time()
+    *_, timed = ngcell.simulate(case.model_copy(update={"contact": Timed(case.contact, contact)}))
+    assert 0 < contact.seconds < process_time() - started
+    *_, plain = ngcell.simulate(case)
+    assert timed.record.energy == plain.record.energy
+    assert timed.record.iterations == plain.record.iterations
+
+
+def test_iterations_are_timed_one_by_one_and_their_factorisation_beside_them():
+    found = iterated(ngcell.read_case("shear-empty", ["tissue.rows=2", "tissue.cols=2", "mesh.order=1"]))
+    assert found["cells"] == 4 and found["iterations"] == ITERATIONS
+    assert found["seconds of an iteration"] > found["of it without the direct solver"] > 0
+    assert found["factorisation and solve alone"] > 0

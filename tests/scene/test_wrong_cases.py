@@ -197,7 +197,7 @@ WRONG: dict[str, tuple[tuple[str, str], int, str, str]] = {
         ("displacement = [0.1, 0.0]", "displacement = [0.1, 0.0]\nshear = 0.1"),
         18,
         "load.shear = 0.1",
-        "allowed: kind, displacement, stretch, ends, end_pressure, levels",
+        "allowed: kind, ends, end_pressure, levels, displacement, stretch",
     ),
     "two motions": (
         ("displacement = [0.1, 0.0]", "displacement = [0.1, 0.0]\nstretch = 1.1"),
@@ -305,7 +305,7 @@ def test_wrong_case_is_one_useful_line(
 
 
 @pytest.mark.parametrize("lumen", ['kind = "fluid"', 'kind = "pressure"\npressure = 0.1\nramp = "first"'])
-def test_pressed_ends_grow_with_all_else_that_pushes(write_case: Callable[..., Path], lumen: str) -> None:
+def test_pressed_ends_grow_with_all_else_that_presses(write_case: Callable[..., Path], lumen: str) -> None:
     closed = "wall = 0.1\nheight = 1.0\nend_wall = 0.1"
     pressed = f'levels = 2\nends = "pressed"\nend_pressure = 0.1\n\n[lumen]\n{lumen}\n'
     with pytest.raises(CaseError) as caught:

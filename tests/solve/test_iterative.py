@@ -109,7 +109,7 @@ def test_prisms_are_those_of_the_direct_solver(monkeypatch):
 
 
 def test_penalty_terms_that_pull_at_more_than_there_is_room_for_are_solved_for_as_well():
-    """The pattern holds the diagonal only; bodies hardly know of their own penalty terms, and the solution is the same."""
+    """The pattern holds the diagonal only; bodies hardly know of their own penalty terms: the solution is the same."""
     bodies = Bodies(4)
     bodies.own, bodies.curvature = np.eye(36), 0 * bodies.curvature
     bodies.rows = bodies.columns = np.arange(36)

@@ -104,11 +104,11 @@ def root(constant: float, linear: float, *penalty_terms: tuple[float, float, flo
         ((-1.0, 1.0, (99.0, 1e-14, -1.0)), 0.01),  # nearly
         ((-1.0, 1.0, (99.0, 2.0, -1.0)), 1.0),  # it is out of reach
         ((-1.0, 1.0, (99.0, 0.1, 1.0)), 1.0),  # it moves away
-        ((-1.0, 3.0, (4.0, -0.25, 0.5)), 1.5 / 4),  # closed, it still pushes where the slope vanishes
-        ((-1.0, 2.0, (1.0, -0.1, 1.0)), 0.5),  # it pushes until 0.1, and is loose at the root
+        ((-1.0, 3.0, (4.0, -0.25, 0.5)), 1.5 / 4),  # closed, it still presses where the slope vanishes
+        ((-1.0, 2.0, (1.0, -0.1, 1.0)), 0.5),  # it presses until 0.1, and is loose at the root
         ((-1.0, -1.0, (99.0, 0.1, -1.0)), 10.9 / 98),  # a hill that a penalty term stops
         ((-1.0, 0.0, (10.0, 0.2, -1.0), (10.0, 0.3, -1.0)), 0.3),  # two penalty terms, met at the second's start
-        ((-1.0, 0.0, (10.0, 0.2, -1.0), (90.0, 0.25, -1.0)), 0.255),  # both push at the root
+        ((-1.0, 0.0, (10.0, 0.2, -1.0), (90.0, 0.25, -1.0)), 0.255),  # both press at the root
     ],
 )
 def test_roots_of_slopes_worked_by_hand(case, expected):
@@ -168,7 +168,7 @@ def test_minima_with_other_penalty_terms_are_the_same_whether_factorised_or_corr
 
 
 def test_a_penalty_term_that_alone_held_a_body_is_not_opened_by_a_correction(monkeypatch):
-    """One unknown on a penalty term 1e9 times as stiff as what else holds it: corrected, half of the digits would be lost."""
+    """One unknown on a penalty term 1e9 times as stiff as what else holds it: corrected, half the digits would go."""
     monkeypatch.setattr(SymmetricMatrix, "few", 1)
     free, zero = np.ones(1, dtype=bool), np.zeros(1, dtype=np.int64)
     matrix = SymmetricMatrix(1, free, zero, zero)

@@ -106,7 +106,7 @@ def test_what_the_last_proximal_term_holds_is_little_and_shrinks_with_it():
     assert held[1] < held[0]
 
 
-def test_the_equilibrium_balances_and_pushes_back():
+def test_the_equilibrium_balances_and_presses_back():
     tissue, step = sheared(), reference()
     state = step.minimum.state
     force = tissue.released.gradient(state)

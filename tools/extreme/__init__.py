@@ -4,4 +4,4 @@ from __future__ import annotations
 
 from tools.commands import Commands
 
-commands = Commands("tools.extreme", ("list", "map", "one"), __doc__)
+commands = Commands("tools.extreme", ("hostile", "hostile-python", "list", "map", "one", "soak"), __doc__)

@@ -11,7 +11,6 @@ from scipy.sparse.linalg import splu
 
 from ngcell.build.simulation import Simulation
 from ngcell.scene import AnyCase
-from ngcell.solve.minimise import TOUCHING
 
 Array = NDArray[np.float64]
 
@@ -21,19 +20,18 @@ _POWERS = 40
 def condition(case: AnyCase, displacement: Array) -> float:
     """Return an estimate of the condition of the released tangent about a displacement."""
     simulation = Simulation(case)
-    assembly, path = simulation.released, simulation.continuation
-    for load in filter(None, (simulation.discretisation.loads, simulation.discretisation.fluid)):
-        load.apply(simulation.levels[-1])
-    line = assembly.linearise(assembly.at(displacement))
-    rows, columns = assembly.pattern
-    lower = sparse.coo_array((line.stiffness, (rows, columns)), shape=assembly.mass.shape).tocsr()
+    problem, path, options = simulation.problem, simulation.continuation, simulation.options.solver
+    problem.apply(simulation.levels[-1])
+    line = problem.linearise(problem.at(displacement))
+    rows, columns = problem.pattern
+    lower = sparse.coo_array((line.stiffness, (rows, columns)), shape=problem.mass.shape).tocsr()
     matrix = lower + lower.T - sparse.diags_array(lower.diagonal())
     if line.curvature is not None:
         matrix = matrix + line.curvature
-    closed = np.where(line.gap <= TOUCHING * simulation.longest_step, line.penalty, 0.0)
+    closed = np.where(line.gap <= options.minimiser.touching * simulation.longest_step, line.penalty, 0.0)
     matrix = matrix + line.jacobian.T @ (sparse.diags_array(closed) @ line.jacobian)
-    matrix = matrix + path.scale * path.last * assembly.mass
-    free = np.flatnonzero(assembly.free)
+    matrix = matrix + path.scale * path.options.last * problem.mass
+    free = np.flatnonzero(problem.free)
     matrix = matrix.tocsc()[free][:, free]
     return _largest(matrix.dot, len(free)) * _largest(splu(matrix).solve, len(free))
 

@@ -16,7 +16,7 @@ from tools import tables
 from tools.commands import described
 from tools.places import RESULTS
 from tools.runs import Run
-from tools.sheared import BOTH, SDDP, STRENGTHS, bonded, fibres, inclusions, large_run, pressures
+from tools.sheared import BONDED, BOTH, SDDP, STRENGTHS, bonded, fibres, inclusions, large_run, pressures
 
 TABLE, PAGE = RESULTS / "certified.csv", RESULTS / "certified.md"
 KEYS = ("case", "settings", "strategy")
@@ -33,7 +33,7 @@ def listed() -> list[tuple[str, str, tuple[str, ...]]]:
     return [
         ("shear-empty", "", BOTH),
         *((case, setting, BOTH) for case, setting, _ in (*pressures(), *inclusions())),
-        *(("shear-cohesive", bonded(value), BOTH) for value in STRENGTHS),
+        *(("shear-cohesive", bonded(value), BONDED) for value in STRENGTHS),
         ("shear-uniform-pressure", "", SDDP),
         ("shear-fluid", "", SDDP),
         *((case, setting, SDDP) for case, setting, _ in fibres()),

@@ -2,7 +2,7 @@
 
     python -m tools.studies cohesion [--case shear-empty-3x3] [--strength 0.05] [--energy 0.0015]
 
-The tissue is loaded forward (`single-step`). Every row is one run: the largest plate force and where it is reached,
+The tissue is loaded forward (`load-stepping`). Every row is one run: the largest plate force and where it is reached,
 which is where walls snap apart, and at the end stored energy, energy of separation, loss, plate force and the share
 still bonded. Rows go to `tools/results/cohesion.csv`; runs that have a row are not repeated.
 """
@@ -28,7 +28,7 @@ RUNS = [(0.5, 5), (0.5, 10), (0.5, 20), (0.5, 40), (0.5, 160), (0.25, 5), (0.125
 
 def measured(case: str, strength: float, energy: float, size: float, steps: int) -> dict[str, object]:
     """Run once, and return the row."""
-    sets = [f"cohesion.strength={strength}", f"cohesion.energy={energy}", "strategy.kind=single-step"]
+    sets = [f"cohesion.strength={strength}", f"cohesion.energy={energy}", "strategy.kind=load-stepping"]
     sets += [f"mesh.size={size}", f"strategy.steps={steps}"]
     records = [step.record for step in ngcell.simulate(ngcell.read_case(case, sets))]
     last, top = records[-1], max(records, key=lambda record: record.plate_force_x)

@@ -16,7 +16,7 @@ from tools import tables
 from tools.commands import described
 from tools.places import DOCS, RESULTS
 from tools.runs import Run
-from tools.sheared import BOTH, STRENGTHS, bonded, large_run
+from tools.sheared import BONDED, STRENGTHS, bonded, large_run
 
 TABLE, FIGURE = RESULTS / "cohesion-curves.csv", DOCS / "cohesion.png"
 MEASURED = (
@@ -24,7 +24,7 @@ MEASURED = (
     "dissipation", "bonded_share", "iterations", "certified",
 )  # fmt: skip
 COLUMNS = ("strategy", "strength", *MEASURED)
-RUNS = [("sddp", 0.0), *((strategy, strength) for strategy in BOTH for strength in STRENGTHS)]
+RUNS = [("sddp", 0.0), *((strategy, strength) for strategy in BONDED for strength in STRENGTHS)]
 COLOURS = ("#8a8f98", "#4a7a3a", "#1f5f8b", "#b3361e")
 
 
@@ -49,7 +49,7 @@ def draw() -> None:
             mine = [row for row in rows if (row["strategy"], float(row["strength"])) == (strategy, strength)]
             x = [0.0, *(float(row["plate_displacement"]) for row in mine)]
             y = [0.0, *(float(row[column]) for row in mine)]
-            style = {"single-step": "-", "sddp": "o"}[strategy] if strength else "o:"
+            style = {"load-stepping": "-", "sddp": "o"}[strategy] if strength else "o:"
             label = None if style == "o" else f"strength {strength:g}" if strength else "no cohesion"
             colour = COLOURS[[0.0, *STRENGTHS].index(strength)]
             axes.plot(x, y, style, color=colour, label=label, markersize=4, fillstyle="none", linewidth=1.6)

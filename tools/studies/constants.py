@@ -16,11 +16,12 @@ from datetime import date
 import click
 
 import ngcell
+from ngcell.build.options import Options
 from ngcell.errors import NgcellError
 from tools import tables
 from tools.commands import described
 from tools.places import RESULTS
-from tools.studies.patching import changed, usual
+from tools.studies.numbers import changed, usual
 
 SCENES = {
     "empty": ["load.levels=1"],
@@ -32,43 +33,40 @@ SCENES = {
 }  # fmt: skip
 #: The package's own numbers, and the values in place of them.
 CHANGES: dict[str, tuple[float, ...]] = {
-    "solve.continuation.FIRST": (1e2, 1e4),
-    "solve.continuation.LAST": (1e-8, 1e-10),
-    "solve.continuation.ENOUGH": (1e-6, 1e-8),
-    "solve.continuation.NARROWEST": (0.25, 1.0),
-    "solve.continuation.WIDEST": (0.5, 2.0),
-    "solve.continuation.LAST_DIGIT": (1e-7, 1e-5),
-    "solve.continuation.STIFFEN_AT": (1e-6, 1e-4),
-    "solve.continuation.ON_THE_WAY": (1e-3, 0.1),
-    "solve.continuation.AT_THE_END": (1e-12, 1e-8),
-    "solve.continuation.UPDATE": (0.05, 0.2),
-    "solve.continuation.CYCLING": (100, 400),
-    "solve.continuation.SLOW": (0.1, 0.5),
-    "solve.one_sided.MOST_ROUNDS": (4, 16),
-    "solve.one_sided.WORTHWHILE_GAIN": (0.01, 0.04),
-    "solve.one_sided.LOST": (1e4, 1e8),
-    "solve.minimise.POOR": (1e-5, 1e-3),
-    "solve.minimise.FAIR": (0.1, 0.5),
-    "solve.minimise.RAISE": (4.0, 16.0),
-    "solve.minimise.LOWER": (0.05, 0.2),
-    "solve.minimise.FELT": (0.05, 0.2),
-    "solve.minimise.UNFELT": (1e-5, 1e-3),
-    "solve.minimise.STALLED": (1e-13, 1e-11),
-    "solve.minimise.IDLE": (3, 10),
-    "contact.methods.stages.DEFAULT_OPTIONS.path_multiple": (0.5, 2.0),
-    "contact.methods.stages.DEFAULT_OPTIONS.stage_factor": (5.0, 20.0),
-    "contact.methods.stages.DEFAULT_OPTIONS.handover_multiple": (2.0, 5.0),
-    "contact.methods.stages.DEFAULT_OPTIONS.mortar_multiple": (1.0, 10.0),
-    "contact.methods.penalty.BETWEEN": (1.5, 4.0),
-    "contact.methods.mortar.ALLOWED": (1.25e-4, 5e-4),
-    "contact.pairing.near.FACING": (-0.9, -0.7),
+    "solver.continuation.first": (1e2, 1e4),
+    "solver.continuation.last": (1e-8, 1e-10),
+    "solver.continuation.enough": (1e-6, 1e-8),
+    "solver.continuation.narrowest": (0.25, 1.0),
+    "solver.continuation.widest": (0.5, 2.0),
+    "solver.continuation.last_digit": (1e-7, 1e-5),
+    "solver.continuation.stiffen_at": (1e-6, 1e-4),
+    "solver.continuation.on_the_way": (1e-3, 0.1),
+    "solver.continuation.at_the_end": (1e-12, 1e-8),
+    "solver.continuation.update": (0.05, 0.2),
+    "solver.continuation.cycling": (100, 400),
+    "solver.continuation.slow": (0.1, 0.5),
+    "solver.minimiser.inner.most_rounds": (4, 16),
+    "solver.minimiser.inner.worthwhile_gain": (0.01, 0.04),
+    "solver.minimiser.inner.lost": (1e4, 1e8),
+    "solver.minimiser.poor": (1e-5, 1e-3),
+    "solver.minimiser.fair": (0.1, 0.5),
+    "solver.minimiser.raise_by": (4.0, 16.0),
+    "solver.minimiser.lower_by": (0.05, 0.2),
+    "solver.minimiser.felt": (0.05, 0.2),
+    "solver.minimiser.unfelt": (1e-5, 1e-3),
+    "solver.minimiser.stalled": (1e-13, 1e-11),
+    "solver.minimiser.idle": (3, 10),
+    "contact.path_multiple": (0.5, 2.0),
+    "contact.stage_factor": (5.0, 20.0),
+    "contact.handover_multiple": (2.0, 5.0),
+    "contact.mortar_multiple": (1.0, 10.0),
 }
 
 
-def run(scene: str) -> dict[str, float]:
+def run(scene: str, options: Options | None = None) -> dict[str, float]:
     """Return energy, plate force and iterations of a scene; nothing if it found no equilibrium."""
     try:
-        *_, step = ngcell.simulate(ngcell.read_case("shear-empty-3x3", SCENES[scene]))
+        *_, step = ngcell.simulate(ngcell.read_case("shear-empty-3x3", SCENES[scene]), options=options)
     except NgcellError:
         return {}
     record = step.record
@@ -84,8 +82,7 @@ def row(number: str, value: float, as_it_is: dict[str, dict[str, float]]) -> dic
     """Return what a number in place of the package's does to each scene."""
     cells: dict[str, str | float] = {"number": number, "usual": f"{usual(number):g}", "here": f"{value:g}"}
     for scene, base in as_it_is.items():
-        with changed(number, value):
-            found = run(scene)
+        found = run(scene, changed(number, value))
         for what in ("energy", "force"):
             cells[f"{scene}: {what}"] = found[what] / base[what] - 1 if found else "failed"
         cells[f"{scene}: iterations"] = found["iterations"] / base["iterations"] if found else "failed"

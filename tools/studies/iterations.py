@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ngcell.build.simulation import Simulation
-from ngcell.solve.minimum import ProximalTerm
+from ngcell.solve.proximal import ProximalTerm
 
 #: Iterations that are timed.
 ITERATIONS = 4
@@ -27,15 +27,13 @@ def iterated(case: Any) -> dict[str, float]:
     """Time `ITERATIONS` Newton iterations of a released tissue, its proximal term a hundredth of its stiffness."""
     before = peak()
     simulation = Simulation(case)
-    minimiser = simulation._minimiser(simulation.released, simulation.longest_step)
+    minimiser = simulation.released.minimisers[-1]
     start = simulation.motion.lifting(1.0)
     proximal = ProximalTerm(0.01 * simulation.continuation.scale, start)
-    minimiser.most_iterations = 1
-    minimiser.minimise(start, proximal)  # what is made once
+    minimiser.minimise(start, proximal, most=1)  # what is made once
     clock, effort = simulation.clock.seconds, minimiser.effort.copy()
     clock.clear()
-    minimiser.most_iterations = ITERATIONS
-    minimiser.minimise(start, proximal)
+    minimiser.minimise(start, proximal, most=ITERATIONS)
     spent = minimiser.effort - effort
     rest = clock["pairs and energies"] + clock["assembly"]
     return {
@@ -45,7 +43,7 @@ def iterated(case: Any) -> dict[str, float]:
         "factorisations": spent.factorisations,
         "seconds of an iteration": (rest + clock["factorisation"]) / spent.iterations,
         "of it without the direct solver": rest / spent.iterations,
-        "factorisation and solve alone": _seconds_of_solver(minimiser._matrix, simulation.space.unknowns),
+        "factorisation and solve alone": _seconds_of_solver(minimiser._system.matrix, simulation.space.unknowns),
         "MiB": peak() - before,
     }
 

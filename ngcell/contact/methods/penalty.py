@@ -90,7 +90,7 @@ class PenaltySet:
         return self.kinematics.bending(positions, self.contact_forces(positions))
 
     def contact_forces(self, positions: Array) -> Array:
-        """Return the force that each contact pair transmits [stress * length], >= 0."""
+        """Return the force that each contact pair transmits [stress * length**(dimension - 1)], >= 0."""
         return -self.stiffness * np.minimum(self.kinematics.gaps(positions), 0)
 
     def missed(self, positions: Array) -> dict[str, float]:
@@ -145,7 +145,8 @@ class PenaltyContact:
         return couplings_of_near_facets(self.walls, positions, self.reach + margin)
 
     def pressures(self, positions: Array, points: SurfacePoints) -> Array:
-        """Return the contact pressure at points of the walls [stress]: the sum of that of both passes."""
+        """Return the contact pressure at points of the walls [stress]: penalty stiffness times overlap, half of it from
+        each pass."""
         pairs = PairSearch(self.walls, points, self.reach).pairs(self.walls.nodes(positions))
         gaps = gap_kinematics(self.walls, pairs, positions).gaps(positions)
         pressure = -self._pairwise(pairs) * np.minimum(gaps, 0)

@@ -1,4 +1,6 @@
-"""What a contact method offers, whichever it is. A further method is one new file with these two classes.
+"""What a contact method offers, whichever it is. A further method is a new
+file with these two classes and the section of a case that makes it (`ngcell.contact.methods.stages`), and one line in
+`ngcell.scene.registry`.
 
 Signs and measures: a gap is positive where walls are apart. A contact force is never negative; it acts along the gap's
 derivative and drives walls apart. A contact pressure is nominal, a force per *reference* length or area, and turned
@@ -22,9 +24,9 @@ Index = NDArray[np.int64]
 
 
 class ContactSet(Protocol):
-    """ContactPairs found in one state, and the contact energy of any nearby state with these contact pairs.
+    """Contact pairs found in one state, and the contact energy of any nearby state with these contact pairs.
 
-    Positions are unknowns of shape (2, scalar unknowns) [length].
+    Positions are unknowns of shape (dimension, scalar unknowns) [length].
     """
 
     @property
@@ -48,7 +50,7 @@ class ContactSet(Protocol):
         """Return the part of the tangent that is due to the curvature of the gaps."""
 
     def contact_forces(self, positions: Array) -> Array:
-        """Return the force that each contact pair transmits [stress * length], >= 0."""
+        """Return the force that each contact pair transmits [stress * length**(dimension - 1)], >= 0."""
 
     def missed(self, positions: Array) -> dict[str, float]:
         """Return by how much the method misses conditions of its own, by name; the certificate has a limit for each.

@@ -1,7 +1,8 @@
 """Which walls face each other at rest, and the gap between them afterwards.
 
 Facing walls are found from the reference geometry: a facet faces another body if it touches it, or nearly so, with
-opposite normals. The gap of a facing wall is measured from each of its quadrature points to the nearest point of the
+opposite normals. Where two bodies touch nowhere, since they are apart at rest or overlap like those of a press-fit, the
+facets are those that are within reach of the other body, on either side of its walls. The gap of a facing wall is measured from each of its quadrature points to the nearest point of the
 other body's walls, wherever that has slid, so a parted pair keeps a gap however far it is apart.
 """
 
@@ -57,13 +58,23 @@ class FacingWalls:
         return nearest_on_body(walls, nodes, point, self.other)
 
 
-def find_facing(walls: Surface, tolerance: float) -> FacingWalls:
-    """Find the walls that face each other at rest within `tolerance` [length]."""
-    one, two = near_facets(walls, walls.rest, tolerance)
-    opposite = facing(walls, walls.rest, one, two, _OPPOSITE)
-    facet, other = np.unique(np.column_stack([one, walls.body[two]])[opposite], axis=0).T
-    gap = nearest_on_body(walls, walls.rest, walls.centres(walls.rest)[facet], other)
-    facet, other = facet[np.abs(gap) <= tolerance], other[np.abs(gap) <= tolerance]
+def find_facing(walls: Surface, tolerance: float, reach: float = 0.0) -> FacingWalls:
+    """Find the walls that face each other at rest.
+
+    Parameters
+    ----------
+    walls : Surface
+        The walls.
+    tolerance : float
+        Distance up to which facets touch [length].
+    reach : float
+        Distance, or depth, up to which facets of bodies that touch nowhere face each other [length].
+    """
+    touching = _within(walls, tolerance)
+    further = _within(walls, reach) if reach > tolerance else touching[:0]
+    count = int(walls.body.max(initial=0)) + 1
+    known = np.isin(_pair_numbers(walls, further, count), _pair_numbers(walls, touching, count))
+    facet, other = np.concatenate([touching, further[~known]]).T
     bodies = np.sort(np.column_stack([walls.body[facet], other]), axis=1)
     pairs, pair = np.unique(bodies, axis=0, return_inverse=True)
     count = len(walls.quadrature_points)
@@ -74,6 +85,21 @@ def find_facing(walls: Surface, tolerance: float) -> FacingWalls:
     weight = walls.weights[facet, quadrature_point]
     parts = (part[weight != 0] for part in (pair, facet, quadrature_point, other, weight, is_middle))
     return FacingWalls(pairs, *parts)
+
+
+def _within(walls: Surface, distance: float) -> Index:
+    """Return facets and the bodies that they face up to a distance [length] on either side, shape (n, 2)."""
+    one, two = near_facets(walls, walls.rest, distance)
+    opposite = facing(walls, walls.rest, one, two, _OPPOSITE)
+    found = np.unique(np.column_stack([one, walls.body[two]])[opposite], axis=0)
+    gap = nearest_on_body(walls, walls.rest, walls.centres(walls.rest)[found[:, 0]], found[:, 1])
+    return np.asarray(found[np.abs(gap) <= distance])
+
+
+def _pair_numbers(walls: Surface, found: Index, count: int) -> Index:
+    """Return a number for the two bodies of each row."""
+    bodies = np.sort(np.column_stack([walls.body[found[:, 0]], found[:, 1]]), axis=1)
+    return np.asarray(bodies @ [count, 1])
 
 
 def count_corners(walls: Surface) -> int:

@@ -202,7 +202,7 @@ class Surface(ABC):
     def exterior_angle(self) -> Array:
         """Angle by which the surface turns where facets meet, at rest [rad]: positive at convex corners, 0 at its rim.
 
-        Shape (facets, 2), at the start and at the end of each edge; of faces (facets, corners), at each side.
+        Shape (facets, 2), at the start and at the end of each edge; of a 3-D surface (facets, corners), at each side.
         """
         return self.exterior_angle_at(self.rest)
 

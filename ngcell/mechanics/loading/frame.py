@@ -2,32 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, Strict, model_validator
+from pydantic import Strict, model_validator
 from pydantic_core import PydanticCustomError
 
 from ngcell.geometry.bodies import FRAME
-from ngcell.mechanics.loading.load import (
-    check_ends,
-    check_one_given,
-    check_scope_of_ends,
-    end_tractions,
-    held_ends,
-)
+from ngcell.mechanics.loading.load import EndsOfPrisms, check_one_given
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
-from ngcell.scene.bodies import Traction
-from ngcell.scene.levels import Levels, level_factors
-from ngcell.scene.section import SECTION, PlanarVector, PositiveNumber
+from ngcell.scene.section import PlanarVector, PositiveNumber
 
 Array = NDArray[np.float64]
 Gradient = tuple[tuple[float, float], tuple[float, float]]
 
 
-class Frame(BaseModel):
+class Frame(EndsOfPrisms):
     """A frame: all outer walls follow one affine deformation.
 
     Exactly one of `deformation_gradient`, `stretch` and `shear` is given.
@@ -41,17 +33,11 @@ class Frame(BaseModel):
         Stretches along x and y at load factor 1, each > 0.
     shear : float, optional
         Simple shear at load factor 1: displacement along x over height.
-    ends : {"free", "held", "pressed"}, optional
-        Whether the ends of prisms are free, as by default, held along z, as in plane strain, or under a pressure.
-    end_pressure : float, optional
-        Force on both ends of pressed prisms per reference area, a stress, inwards along z whichever way the ends
-        turn; it grows with the load. Below 0 it pulls.
-    levels : int or tuple of float
-        Number of equal levels, or the load factors in [0, 1] that are reported, in the order of the load path;
-        it may return, as in ``[0.5, 1.0, 0.5, 0.0]``.
-    """
 
-    model_config = SECTION
+    Notes
+    -----
+    Further keys are those of `ngcell.mechanics.loading.load.EndsOfPrisms`.
+    """
 
     supported: ClassVar[str | None] = "frame"
     moved: ClassVar[str] = FRAME
@@ -60,14 +46,6 @@ class Frame(BaseModel):
     deformation_gradient: Annotated[tuple[PlanarVector, PlanarVector], Strict(False)] | None = None
     stretch: Annotated[tuple[PositiveNumber, PositiveNumber], Strict(False)] | None = None
     shear: float | None = None
-    ends: Literal["free", "held", "pressed"] | None = None
-    end_pressure: float | None = None
-    levels: Levels = 10
-
-    @property
-    def level_factors(self) -> tuple[float, ...]:
-        """Load factors of the levels, in [0, 1], in the order of the load path."""
-        return level_factors(self.levels)
 
     @property
     def final_gradient(self) -> Gradient:
@@ -81,15 +59,6 @@ class Frame(BaseModel):
     def _one_deformation(self) -> Self:
         check_one_given(deformation_gradient=self.deformation_gradient, stretch=self.stretch, shear=self.shear)
         return self
-
-    @model_validator(mode="after")
-    def _ends_under_a_pressure(self) -> Self:
-        check_ends(self.ends, self.end_pressure)
-        return self
-
-    def check_scope(self, scene: dict[str, Any]) -> None:
-        """Refuse keys of prisms in a planar tissue, and a pressure on ends beside what comes before the load."""
-        check_scope_of_ends(self, scene)
 
     @model_validator(mode="after")
     def _keeps_orientation(self) -> Self:
@@ -109,15 +78,11 @@ class Frame(BaseModel):
         gradient = np.zeros((dimension, dimension))
         gradient[:2, :2] = np.array(self.final_gradient) - np.eye(2)
         walls = Support(FRAME, gradient, np.zeros(dimension), (True,) * dimension)
-        return PrescribedMotion(space, [*held_ends(space, self.ends), walls], lambda at: gradient @ at)
+        return PrescribedMotion(space, [*self.held_ends(space), walls], lambda at: gradient @ at)
 
     def prescribed_displacement(self, space: DisplacementSpace) -> Array:
         """Return zero: a frame has no plate whose displacement could be told."""
         return np.zeros(space.dimension)
-
-    def tractions(self) -> tuple[Traction, ...]:
-        """Return the forces on pressed ends."""
-        return end_tractions(self.end_pressure)
 
 
 def _smallest_determinant(gradient: Gradient) -> float:

@@ -6,17 +6,20 @@ with these members.
 
 from __future__ import annotations
 
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, Literal, Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BaseModel, model_validator
 from pydantic_core import PydanticCustomError
 
 from ngcell.geometry.bodies import LOWER_END, UPPER_END
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.scene.bodies import Traction
+from ngcell.scene.levels import Levels, level_factors
 from ngcell.scene.scope import only_for_prisms, refuse
+from ngcell.scene.section import SECTION
 
 Array = NDArray[np.float64]
 
@@ -47,6 +50,68 @@ class TissueLoad(Protocol):
         """Return the forces that it exerts besides."""
 
 
+class EndsOfPrisms(BaseModel):
+    """What loads in the plane say of prisms, whose ends are free, held or under a pressure.
+
+    Parameters
+    ----------
+    kind : str
+        The kind of load.
+    ends : {"free", "held", "pressed"}, optional
+        Whether the ends of prisms are free, as by default, held along z, as in plane strain, or under a pressure.
+    end_pressure : float, optional
+        Force on both ends of pressed prisms per reference area, a stress, inwards along z whichever way the ends
+        turn; it grows with the load. Below 0 it pulls.
+    levels : int or tuple of float
+        Number of equal levels, or the load factors in [0, 1] that are reported, in the order of the load path;
+        it may return, as in ``[0.5, 1.0, 0.5, 0.0]``.
+    """
+
+    model_config = SECTION
+
+    kind: str
+    ends: Literal["free", "held", "pressed"] | None = None
+    end_pressure: float | None = None
+    levels: Levels = 10
+
+    @property
+    def level_factors(self) -> tuple[float, ...]:
+        """Load factors of the levels, in [0, 1], in the order of the load path."""
+        return level_factors(self.levels)
+
+    @model_validator(mode="after")
+    def _pressed_by_a_pressure(self) -> Self:
+        if self.ends == "pressed" and self.end_pressure is None:
+            refuse("says not how much; allowed: with an end_pressure", "ends")
+        if self.ends != "pressed" and self.end_pressure is not None:
+            refuse('is on ends that are not pressed; allowed: with ends = "pressed"', "end_pressure")
+        return self
+
+    def check_scope(self, scene: dict[str, Any]) -> None:
+        """Refuse keys of prisms in a planar tissue, and a pressure on ends beside what comes before the load."""
+        only_for_prisms(self, scene, "ends", "end_pressure")
+        before_load = getattr(scene.get("lumen"), "before_load", None)
+        if self.end_pressure is not None and before_load is not None:
+            allowed = 'with empty lumens, inclusions or a lumen.pressure of ramp = "with-load"'
+            refuse(f"acts beside {before_load}; allowed: {allowed}", "end_pressure")
+
+    def held_ends(self, space: DisplacementSpace) -> list[Support]:
+        """Return the supports that hold the ends of prisms along z."""
+        if space.dimension == 2 or self.ends != "held":
+            return []
+        return [Support(f"{UPPER_END}|{LOWER_END}", np.zeros((3, 3)), np.zeros(3), (False, False, True))]
+
+    def tractions(self) -> tuple[Traction, ...]:
+        """Return the forces on the ends of pressed prisms, none for others.
+
+        They keep their direction: a pressure that followed ends with free rims would have no potential.
+        """
+        if self.end_pressure is None:
+            return ()
+        along = (0.0, 0.0, self.end_pressure)
+        return Traction(UPPER_END, (0.0, 0.0, -self.end_pressure)), Traction(LOWER_END, along)
+
+
 def check_one_given(**choices: object) -> None:
     """Refuse a load that says its motion twice, or not at all."""
     given = [name for name, value in choices.items() if value is not None]
@@ -59,38 +124,3 @@ def check_one_given(**choices: object) -> None:
                 "names": ", ".join(choices),
             },
         )
-
-
-def check_ends(ends: str | None, pressure: float | None) -> None:
-    """Refuse ends of prisms that are pressed by no pressure, and a pressure on others."""
-    if ends == "pressed" and pressure is None:
-        raise PydanticCustomError("limit", "says not how much; allowed: with an end_pressure", {"place": ("ends",)})
-    if ends != "pressed" and pressure is not None:
-        allowed = 'is on ends that are not pressed; allowed: with ends = "pressed"'
-        raise PydanticCustomError("limit", allowed, {"place": ("end_pressure",)})
-
-
-def check_scope_of_ends(load: Any, scene: dict[str, Any]) -> None:
-    """Refuse keys of prisms in a planar tissue, and a pressure on ends beside what comes before the load."""
-    only_for_prisms(load, scene, "ends", "end_pressure")
-    before_load = getattr(scene.get("lumen"), "before_load", None)
-    if load.end_pressure is not None and before_load is not None:
-        allowed = 'with empty lumens, inclusions or a lumen.pressure of ramp = "with-load"'
-        refuse(f"acts beside {before_load}; allowed: {allowed}", "end_pressure")
-
-
-def held_ends(space: DisplacementSpace, ends: str | None) -> list[Support]:
-    """Return the supports that hold the ends of prisms along z."""
-    if space.dimension == 2 or ends != "held":
-        return []
-    return [Support(f"{UPPER_END}|{LOWER_END}", np.zeros((3, 3)), np.zeros(3), (False, False, True))]
-
-
-def end_tractions(end_pressure: float | None) -> tuple[Traction, ...]:
-    """Return the forces on the ends of pressed prisms, none for others.
-
-    They keep their direction: a pressure that followed ends with free rims would have no potential.
-    """
-    if end_pressure is None:
-        return ()
-    return Traction(UPPER_END, (0.0, 0.0, -end_pressure)), Traction(LOWER_END, (0.0, 0.0, end_pressure))

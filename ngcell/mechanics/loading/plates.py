@@ -2,31 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal, Self
+from typing import ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, model_validator
+from pydantic import model_validator
 
 from ngcell.errors import CaseError
 from ngcell.geometry.bodies import LOWER_PLATE, UPPER_PLATE
-from ngcell.mechanics.loading.load import (
-    check_ends,
-    check_one_given,
-    check_scope_of_ends,
-    end_tractions,
-    held_ends,
-)
+from ngcell.mechanics.loading.load import EndsOfPrisms, check_one_given
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
-from ngcell.scene.bodies import Traction
-from ngcell.scene.levels import Levels, level_factors
-from ngcell.scene.section import SECTION, PlanarVector, PositiveNumber
+from ngcell.scene.section import PlanarVector, PositiveNumber
 
 Array = NDArray[np.float64]
 
 
-class Plates(BaseModel):
+class Plates(EndsOfPrisms):
     """Two plates: the outer walls that face down are held, those that face up are moved, the sides are free.
 
     Exactly one of `displacement` and `stretch` is given.
@@ -37,17 +29,11 @@ class Plates(BaseModel):
         Displacement of the upper plate at load factor 1, a length.
     stretch : float, optional
         Distance of the plates at load factor 1 over the distance at rest, > 0.
-    ends : {"free", "held", "pressed"}, optional
-        Whether the ends of prisms are free, as by default, held along z, as in plane strain, or under a pressure.
-    end_pressure : float, optional
-        Force on both ends of pressed prisms per reference area, a stress, inwards along z whichever way the ends
-        turn; it grows with the load. Below 0 it pulls.
-    levels : int or tuple of float
-        Number of equal levels, or the load factors in [0, 1] that are reported, in the order of the load path;
-        it may return, as in ``[0.5, 1.0, 0.5, 0.0]``.
-    """
 
-    model_config = SECTION
+    Notes
+    -----
+    Further keys are those of `ngcell.mechanics.loading.load.EndsOfPrisms`.
+    """
 
     supported: ClassVar[str | None] = "plates"
     moved: ClassVar[str] = UPPER_PLATE
@@ -55,28 +41,11 @@ class Plates(BaseModel):
     kind: Literal["plates"] = "plates"
     displacement: PlanarVector | None = None
     stretch: PositiveNumber | None = None
-    ends: Literal["free", "held", "pressed"] | None = None
-    end_pressure: float | None = None
-    levels: Levels = 10
-
-    @property
-    def level_factors(self) -> tuple[float, ...]:
-        """Load factors of the levels, in [0, 1], in the order of the load path."""
-        return level_factors(self.levels)
 
     @model_validator(mode="after")
     def _one_motion(self) -> Self:
         check_one_given(displacement=self.displacement, stretch=self.stretch)
         return self
-
-    @model_validator(mode="after")
-    def _ends_under_a_pressure(self) -> Self:
-        check_ends(self.ends, self.end_pressure)
-        return self
-
-    def check_scope(self, scene: dict[str, Any]) -> None:
-        """Refuse keys of prisms in a planar tissue, and a pressure on ends beside what comes before the load."""
-        check_scope_of_ends(self, scene)
 
     def motion(self, space: DisplacementSpace) -> PrescribedMotion:
         """Return the motion: plates move rigidly; in between, the lifting grows in proportion to the height.
@@ -97,7 +66,7 @@ class Plates(BaseModel):
         dimension = space.dimension
         whole, still = (True,) * dimension, np.zeros((dimension, dimension))
         plates = [Support(LOWER_PLATE, still, np.zeros(dimension), whole), Support(UPPER_PLATE, still, moved, whole)]
-        return PrescribedMotion(space, [*held_ends(space, self.ends), *plates], lifting)
+        return PrescribedMotion(space, [*self.held_ends(space), *plates], lifting)
 
     def prescribed_displacement(self, space: DisplacementSpace) -> Array:
         """Return the displacement of the upper plate at load factor 1 [length]."""
@@ -107,10 +76,6 @@ class Plates(BaseModel):
         elif self.stretch is not None:
             moved[1] = (self.stretch - 1) * np.ptp(space.bodies.extent[:, 1])
         return moved
-
-    def tractions(self) -> tuple[Traction, ...]:
-        """Return the forces on pressed ends."""
-        return end_tractions(self.end_pressure)
 
 
 def _check_sides(rise: float, distance: float) -> None:

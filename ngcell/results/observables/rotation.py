@@ -29,10 +29,10 @@ class Rotation(BaseModel):
         """Return the rotation of each body, shape (bodies,)."""
         space = view.problem.space
         body, one, count = space.body_of_unknown, space.one, space.bodies.body_count
-        number = np.bincount(body, one, count)
+        number, rest_positions = np.bincount(body, one, count), space.rest
         rest, moved = (
             np.array([row - (np.bincount(body, row * one, count) / number)[body] for row in places[:2]]) * one
-            for places in (space.rest, view.positions)
+            for places in (rest_positions, view.positions)
         )
         along = np.bincount(body, (rest * moved).sum(0), count)
         across = np.bincount(body, rest[0] * moved[1] - rest[1] * moved[0], count)

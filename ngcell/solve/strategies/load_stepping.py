@@ -90,15 +90,19 @@ class _Path:
         """Yield accepted steps after those of `progress`."""
         targets, memory = self._task.steps, progress.memory
         done = int(memory.get("targets", 0))
-        increment = float(memory.get("increment", 0.0)) or abs(targets[0])
+        ways = np.abs(np.diff([0.0, *targets]))
+        # The path may start with a level without load, to which there is no way.
+        ways = ways[ways > 0] if ways.any() else np.ones(1)
+        increment = float(memory.get("increment", 0.0)) or float(ways[0])
         place = self._start(progress)
-        shortest = float(np.abs(np.diff([0.0, *targets])).min()) / 2**MOST_HALVINGS
+        shortest = float(ways.min()) / 2**MOST_HALVINGS
         for number, target in enumerate(targets[done:], done):
-            while place.load != target:
+            is_there = False
+            while not is_there:
                 before = self._released.effort
                 way = target - place.load
-                pieces = max(1, int(np.ceil(abs(way) / increment - 1e-9)))
-                increment = abs(way) / pieces
+                pieces = max(1, int(np.ceil(abs(way) / increment - 1e-9)), self._pieces(place, target))
+                increment = abs(way) / pieces or increment
                 goal = target if pieces == 1 else place.load + way / pieces
                 tried = self._tried(place, goal, is_shortest=increment < shortest)
                 while tried is None:
@@ -109,9 +113,10 @@ class _Path:
                     goal = place.load + copysign(increment, way)
                     tried = self._tried(place, goal, is_shortest=increment < shortest)
                 place, account = tried
+                is_there = goal == target
                 self._problem.accept(place.minimum.state.displacement)
                 increment *= 2 if account.mismatch_share < self._options.longer else 1
-                account = replace(account, increment=increment, targets=number + (goal == target))
+                account = replace(account, increment=increment, targets=number + is_there)
                 yield Accepted("released", goal, place.minimum, self._released.effort - before, account)
 
     def _start(self, progress: Progress) -> _Place:
@@ -119,7 +124,18 @@ class _Path:
         at_rest = self._motion.imposed(np.zeros(len(self._problem.free)), 0.0)
         state = self._problem.at(progress.displacement.get("released", at_rest))
         start = Minimum(state, Ending.CONVERGED, 0.0, ProximalTerm(0.0, state.displacement))
+        drives = self._problem.drives(state.displacement, progress.load_factor)
+        if not progress.accepted and any(drive.share > 0 for drive in drives):
+            # Something acts in full before the load: the path starts from the equilibrium with it.
+            start = self._fallen(state.displacement)
+            if not start.is_found:
+                raise StepFailed(Outcome.RELEASE_FAILED, progress.load_factor)
         return _Place(progress.load_factor, start, float(progress.memory.get("dissipation", 0.0)))
+
+    def _pieces(self, place: _Place, target: float) -> int:
+        """Return in how many increments supports are to move for no wall to be passed unseen."""
+        displacement = place.minimum.state.displacement
+        return self._released.pieces(displacement, self._motion.imposed(displacement, target))
 
     def _tried(self, place: _Place, goal: float, *, is_shortest: bool) -> tuple[_Place, Account] | None:
         """Return where a step leads, or None if it is too long."""

@@ -1,7 +1,7 @@
 """Load and contact together: no tied solid is computed.
 
 The centre of the continuation is the lifting of the load. Where the load determines none, the state before is the
-centre, and the load path is followed in increments.
+centre, and the load path is followed in increments: none moves a support so far that a wall could be passed unseen.
 """
 
 from __future__ import annotations
@@ -54,7 +54,8 @@ class SingleStep(BaseModel):
 
 
 def _incremental_step(released: Released, motion: Motion, displacement: Array, load: float, target: float) -> Accepted:
-    before, reached, increment, halvings = released.effort, load, target - load, 0
+    before, reached, halvings = released.effort, load, 0
+    increment = (target - load) / released.pieces(displacement, motion.imposed(displacement, target))
     while True:
         goal = next_goal(reached, increment, target)
         centre = released.predict(displacement, motion.imposed(displacement, goal))

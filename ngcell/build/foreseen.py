@@ -1,0 +1,147 @@
+"""What a scene will take, foreseen before it is meshed: a slip of the pen in a size should cost a line, not an hour.
+
+The number of elements is that of the tissue's own mesh, or at least that of equilateral elements of the asked-for size
+in the areas and volumes of user-defined bodies. The number of entries of the matrix is at least that of a large mesh
+without contact: `p**d` nodes an element, `d` unknowns each, which meet those of the elements around, `d (p + 1)**d` on
+either side of the diagonal. Both are too low rather than too high, so that nothing is refused that would fit.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from math import pi, sqrt
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from netgen import occ
+from pydantic import BaseModel
+
+from ngcell.build.memory import foreseen_memory
+from ngcell.errors import CaseError, GeometryError
+from ngcell.scene import BodyScene, Case
+
+#: Elements of unit size in a unit of area or volume, equilateral triangles or tetrahedra.
+_IN_A_UNIT = {2: 4 / sqrt(3), 3: 6 * sqrt(2)}
+#: Entries of the matrix for each element, over those of a quadrilateral or a hexahedron; measured, and rounded down.
+_SIMPLEX_SHARE = {2: 0.3, 3: 0.1}
+#: Default size of elements as a share of the body's thickness.
+_SHARE = 0.5
+#: Magnitude of numbers whose powers, as they occur in energies, are far from the limits of floating-point numbers.
+_LARGEST = 1e50
+_CGROUP = Path("/sys/fs/cgroup/memory.max")
+
+
+def check_magnitudes(case: BaseModel) -> None:
+    """Check that products of the numbers of a case are numbers, too.
+
+    Raises
+    ------
+    CaseError
+        If one is so large or so small that its powers are not.
+    """
+    for path, number in _numbers(case.model_dump(exclude={"expected"})):
+        if number and not 1 / _LARGEST <= abs(number) <= _LARGEST:
+            raise CaseError(
+                f"{path} = {number:g} leaves no room to calculate; allowed: 0, or a magnitude from {1 / _LARGEST:g} to "
+                f"{_LARGEST:g}"
+            )
+
+
+def _numbers(value: Any, path: str = "") -> Iterator[tuple[str, float]]:
+    """Yield the numbers with a decimal point in a table, and where they are."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield from _numbers(inner, f"{path}.{key}" if path else str(key))
+    elif isinstance(value, (list, tuple)):
+        for number, inner in enumerate(value):
+            yield from _numbers(inner, f"{path}[{number}]")
+    elif isinstance(value, float):
+        yield path, value
+
+
+def check_tissue_fits(case: Case) -> None:
+    """Check that a tissue can be solved with the memory of this machine, without meshing it.
+
+    Raises
+    ------
+    CaseError
+        If it cannot.
+    """
+    density = getattr(case.tissue, "density", None)
+    if density is None:
+        return  # a tissue of a script, which says nothing of its mesh
+    along, through = density(case.mesh)
+    dimension, slices = 2, 1.0
+    if case.tissue.height is not None:
+        dimension, slices = 3, case.mesh.slices or max(1.0, case.tissue.height / case.tissue.side * along)
+    elements = 6.0 * case.tissue.cell_count * along * through * slices
+    _check_fits(elements, case.mesh.order, dimension, 1.0, "mesh.size, mesh.layers, mesh.slices")
+
+
+def check_bodies_fit(scene: BodyScene) -> None:
+    """Check that user-defined bodies have a size, and can be solved with the memory of this machine, without meshing.
+
+    Raises
+    ------
+    CaseError
+        If they cannot.
+    """
+    shapes = [(body.name, body.shape) for body in scene.bodies if isinstance(body.shape, occ.TopoDS_Shape)]
+    dimension = 3 if any(len(shape.solids) for _, shape in shapes) else 2
+    parts = [part for name, shape in shapes for part in _parts(name, shape, scene.size)]
+    total, elements = sum(volume for volume, _ in parts), 0.0
+    for volume, size in parts:
+        elements += _count(volume, size, dimension)
+    for circle in scene.refinements:
+        elements += _count(min(total, pi * circle.within**2), circle.size, dimension)
+    _check_fits(elements, scene.order, dimension, _SIMPLEX_SHARE[dimension], "mesh.size, sizes of bodies")
+
+
+def _parts(name: str, shape: Any, size: float | None) -> Iterator[tuple[float, float]]:
+    """Yield area or volume of the parts of a body, and the largest length of an element's edge in each."""
+    solids = shape.solids
+    for part in solids or shape.faces:
+        volume, surface = abs(part.mass), sum(side.mass for side in (part.faces if len(solids) else part.edges))
+        if not volume > 0 or not surface > 0:
+            raise GeometryError(f"body {name}: it is too small or too thin to have a size; allowed: lengths above 1e-6")
+        yield volume, min(part.maxh, _SHARE * 2 * volume / surface if size is None else size)
+
+
+def _count(volume: float, size: float, dimension: int) -> float:
+    with np.errstate(all="ignore"):
+        return float(np.float64(_IN_A_UNIT[dimension] * volume) / np.float64(size) ** dimension)
+
+
+def _check_fits(elements: float, order: int, dimension: int, share: float, keys: str) -> None:
+    entries = share * elements * dimension**2 * (order * (order + 1)) ** dimension
+    needed, there = foreseen_memory(entries), available_memory()
+    if not needed <= there:
+        raise CaseError(
+            f"at least {elements:.2g} elements of order {order}, for which the run would take {needed:.2g} GiB of "
+            f"memory; allowed: at most {there:.3g} GiB, by larger or fewer elements ({keys}), fewer bodies or a lower "
+            "mesh.order"
+        )
+
+
+def available_memory() -> float:
+    """Return the memory that this process may use [GiB]; infinite where the system does not tell."""
+    limits = [float("inf"), *_limits()]
+    return min(limits) / 2**30
+
+
+def _limits() -> Sequence[float]:
+    found: list[float] = []
+    with suppress(OSError, ValueError, AttributeError):
+        found.append(float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE"))
+    with suppress(OSError, ValueError):
+        found.append(float(_CGROUP.read_text()))  # "max" where there is no limit
+    if sys.platform != "win32":
+        import resource
+
+        soft = resource.getrlimit(resource.RLIMIT_AS)[0]
+        found += [] if soft == resource.RLIM_INFINITY else [float(soft)]
+    return [limit for limit in found if limit > 0]
