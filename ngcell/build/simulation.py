@@ -230,6 +230,13 @@ class Simulation:
             yield step
             started = perf_counter()
 
+    def _released_from(self, accepted: Accepted, checkpoint: Checkpoint) -> Configuration | None:
+        """Return the tied state at the load of a released step, if that was the step before."""
+        tied = checkpoint.displacement.get("tied")
+        if accepted.phase == "tied" or tied is None or checkpoint.work["tied"].load_factor != accepted.load_factor:
+            return None
+        return self.tied_problems[-1].configuration(tied)
+
     @property
     def start(self) -> Checkpoint:
         """Where a run starts: at rest, as far as that is an equilibrium."""
@@ -252,14 +259,6 @@ class Simulation:
         nothing = _NO_FORCE * self._moduli[0] * self.bodies.thickness ** (self.bodies.dimension - 1)
         overlap = self.contact.overlap(rest.at) or 0.0
         return force <= nothing and overlap <= _NO_OVERLAP * self.bodies.thickness
-
-    def _released_from(self, accepted: Accepted, checkpoint: Checkpoint) -> Configuration | None:
-        """Return the tied state at the load of a released step, if that was the step before."""
-        if accepted.phase == "tied" or "tied" not in checkpoint.displacement:
-            return None
-        if checkpoint.work["tied"].load_factor != accepted.load_factor:
-            return None
-        return self.tied_problems[-1].configuration(checkpoint.displacement["tied"])
 
     def follow(self, checkpoint: Checkpoint) -> Iterator[Accepted]:
         """Yield the steps that the strategy accepts after a checkpoint, before they are measured."""

@@ -36,7 +36,7 @@ Index = NDArray[np.int64]
 #: Overlap over reach, and energy of the penalty terms over the stored one, above which penalty terms are too soft. A
 #: certificate has the same limits. Overlaps below `NO_OVERLAP` over reach are none.
 DEEP, HIGH, NO_OVERLAP = 0.02, 0.01, 1e-7
-#: Overlap between the points of the rule over that at them, above which the rule is to blame and not the penalty terms.
+#: Overlap between the points of the rule over that at them, above which the rule is to blame, not the penalty terms.
 BETWEEN = 2.0
 #: Factor by which penalty terms that are too soft are made stiffer, and the most that all such factors make. The
 #: derived stiffness is that of a layer that may spread along the wall; one that is confined is stiffer by the ratio of
