@@ -14,6 +14,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.build.balance import check_balance
 from ngcell.build.checkpoint import Checkpoint
 from ngcell.build.discretisation import discretise
 from ngcell.build.observation import Observer, Step
@@ -34,9 +35,10 @@ from ngcell.results.observables.observable import Observable
 from ngcell.results.overlap import deepest_overlap_of_bodies
 from ngcell.scene import AnyCase, BodyScene
 from ngcell.solve.continuation import Continuation
+from ngcell.solve.effort import Budget
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.released import Released
-from ngcell.solve.step import Accepted
+from ngcell.solve.step import Accepted, within_budget
 from ngcell.solve.strategies.load_stepping import LoadStepping
 from ngcell.solve.strategies.single_step import SingleStep
 from ngcell.solve.strategies.strategy import Strategy, Task
@@ -82,6 +84,7 @@ class Simulation:
     ) -> None:
         self.clock, self.options = clock or Clock(), options or Options()
         self._case, self.levels, self._strategy = scene, scene.level_factors, strategy
+        self._budget = Budget(self.options.solver.most_iterations)
         with self.clock.phase("meshing"):
             self.discretisation = built = discretise(scene)
             self.bodies, self.space, self.motion = built.space.bodies, built.space, built.motion
@@ -96,6 +99,7 @@ class Simulation:
             modulus=min(law.shear_modulus for law in built.walls),
         )
         self._terms = (*built.terms, *(own(self.space) for own in terms))
+        check_balance(self.space, self._terms, self.motion.fixed)
         self._observer = Observer(
             self.setup,
             self.bodies,
@@ -203,7 +207,7 @@ class Simulation:
     def _minimiser(self, problem: Problem, longest_step: float) -> Minimiser:
         volume = float(self.space.one @ self.space.scalar_mass @ self.space.one)
         scale, options = self._moduli[1] * volume, self.options.solver.minimiser
-        return Minimiser(problem, longest_step, energy_scale=scale, options=options, clock=self.clock)
+        return Minimiser(problem, longest_step, energy_scale=scale, options=options, clock=self.clock, budget=self._budget)
 
     @property
     def strategy(self) -> Strategy:
@@ -265,7 +269,7 @@ class Simulation:
         task = Task(self, self.motion, self._steps(), self.levels, self.options.solver)
         for term in self.cohesion if checkpoint.memory else ():
             term.recall(checkpoint.memory)
-        return self.strategy.follow(task, checkpoint.progress)
+        return within_budget(self.strategy.follow(task, checkpoint.progress), self._budget, checkpoint.progress.load_factor)
 
     def _memory(self, accepted: Accepted) -> dict[str, NDArray[np.generic]]:
         """Return what terms remember, and where energy went; nothing where there is no history."""

@@ -25,3 +25,25 @@ class Effort:
     def copy(self) -> Effort:
         """Return a copy that no longer changes."""
         return Effort(**vars(self))
+
+
+class OutOfIterations(Exception):  # noqa: N818 - named as what is reported, not as a mistake
+    """A step has taken all the iterations that it was given."""
+
+
+@dataclass
+class Budget:
+    """The iterations of a step, all minimisers together, and all attempts."""
+
+    most: int
+    spent: int = 0
+
+    def renew(self) -> None:
+        """Begin with the next step."""
+        self.spent = 0
+
+    def spend(self) -> None:
+        """Take one; raise `OutOfIterations` if there is none left."""
+        if self.spent >= self.most:
+            raise OutOfIterations
+        self.spent += 1

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.clock import Clock
-from ngcell.solve.effort import Effort
+from ngcell.solve.effort import Budget, Effort
 from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.one_sided import Matrix, OneSidedModel, minimise_one_sided
 from ngcell.solve.options import MinimiserOptions
@@ -56,6 +56,10 @@ class Minimiser:
         The method's own numbers.
     clock : Clock
         Where the seconds are added up.
+    effort : Effort
+        What was spent.
+    budget : Budget, optional
+        The iterations that are left of a step.
     """
 
     problem: Problem
@@ -64,6 +68,7 @@ class Minimiser:
     options: MinimiserOptions = field(default_factory=MinimiserOptions)
     clock: Clock = field(default_factory=Clock)
     effort: Effort = field(default_factory=Effort)
+    budget: Budget | None = None
     _system: System | None = None
     _near_at: Array | None = None
     _may_touch: bool = False
@@ -82,6 +87,8 @@ class Minimiser:
         for _ in range(most or self.options.most_iterations):
             self.clock.check()
             self.effort.iterations += 1
+            if self.budget is not None:
+                self.budget.spend()
             advance = self._descend(state, proximal, damping, tolerance)
             if advance is None:
                 return Minimum(state, Ending.NO_DESCENT, decrement, proximal)

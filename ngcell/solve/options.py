@@ -203,6 +203,8 @@ class SolverOptions:
     direct_bulk, bulk_stage : float
         Ratio of bulk to shear modulus up to which a law is followed as it is, and the factor between the stages beyond
         it: there Newton's method crawls along the curved valley of constant volume.
+    most_iterations : int
+        Iterations of a step, all attempts together; the shipped cases take at most 300.
     """
 
     minimiser: MinimiserOptions = field(default_factory=MinimiserOptions)
@@ -211,3 +213,4 @@ class SolverOptions:
     stability: StabilityOptions = field(default_factory=StabilityOptions)
     direct_bulk: float = 1e4
     bulk_stage: float = 30.0
+    most_iterations: int = 5000

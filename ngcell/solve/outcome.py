@@ -21,4 +21,8 @@ class Outcome(Enum):
     OUT_OF_TIME = (
         "the run has taken the time that it was given (--max-minutes); resume it with more, or without a limit"
     )
+    OUT_OF_ITERATIONS = (
+        "the step that follows has taken all the iterations that it is given; "
+        "ask for smaller load steps, hold bodies that a load drives and nothing holds, or refine the mesh"
+    )
     STOPPED = "stopped from outside"

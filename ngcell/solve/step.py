@@ -5,14 +5,14 @@ A step that fails is halved, at most `MOST_HALVINGS` times.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.solve.effort import Effort
+from ngcell.solve.effort import Budget, Effort, OutOfIterations
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Minimum
 from ngcell.solve.outcome import Outcome
@@ -106,3 +106,21 @@ def next_goal(reached: float, increment: float, target: float) -> float:
 def spent(minimisers: Sequence[Minimiser]) -> Effort:
     """Return what minimisers have spent so far."""
     return sum((minimiser.effort for minimiser in minimisers), Effort())
+
+
+def within_budget(steps: Iterator[Accepted], budget: Budget, load_factor: float) -> Iterator[Accepted]:
+    """Yield steps that follow one at a load factor, each of which may take so many iterations.
+
+    Raises
+    ------
+    StepFailed
+        If one takes more.
+    """
+    budget.renew()
+    try:
+        for accepted in steps:
+            load_factor = accepted.load_factor
+            yield accepted
+            budget.renew()
+    except OutOfIterations as spent_all:
+        raise StepFailed(Outcome.OUT_OF_ITERATIONS, load_factor) from spent_all
