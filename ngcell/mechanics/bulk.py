@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.geometry.bodies import FILLING
-from ngcell.mechanics.laws.law import HyperelasticLaw
+from ngcell.mechanics.laws.law import HyperelasticLaw, in_three_dimensions
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.symbolic import Integrals, SymbolicTerm
 from ngcell.mechanics.term import Configuration, Index
@@ -144,21 +144,23 @@ class InclusionEnergy(SymbolicTerm):
         return InclusionEnergy(self.space, self.law.softened(ratio))
 
     def cell_fields(self, at: Configuration, load_factor: float) -> dict[str, Array]:
-        """Return the mean pressure ``-trace(sigma) / 3`` in each lumen [stress].
+        """Return the mean pressure ``-trace(sigma) / 3`` over the deformed volume of each lumen [stress].
 
-        The volumetric energy alone bears it: ``-kappa ln(J) / J``, averaged over the deformed area by the rule that
-        this energy is integrated with.
+        With ``J sigma = dW/dF F^T`` it is ``-dW/dF : F / 3`` over the reference volume, each part of W by the rule that
+        it is integrated with.
         """
-        bodies = self.space.bodies
-        gradient = ngsolve.Id(self.space.dimension) + ngsolve.Grad(self.space.function(at.displacement))
-        jacobian, inside = ngsolve.Det(gradient), self._reduced
+        bodies, space = self.space.bodies, self.space
+        planar = ngsolve.Id(space.dimension) + ngsolve.Grad(space.function(at.displacement))
+        gradient = in_three_dimensions(planar).MakeVariable()
 
-        def by_body(density: ngsolve.CoefficientFunction) -> Array:
+        def by_body(density: ngsolve.CoefficientFunction, inside: ngsolve.comp.DifferentialSymbol) -> Array:
             values = np.array(ngsolve.Integrate(density * inside, bodies.mesh, element_wise=True))
             return np.asarray(np.bincount(bodies.body_of_element, values, bodies.body_count), dtype=float)
 
-        pressure = by_body(-self.law.bulk_modulus * ngsolve.log(jacobian)) / by_body(jacobian)
-        return {"cell_pressure": pressure}
+        rules = [ngsolve.dx(definedon=bodies.mesh.Materials(FILLING), bonus_intorder=self._extra), self._reduced]
+        parts = [part.Diff(gradient) for part in self.law.energy_parts(gradient)]
+        traces = [by_body(ngsolve.InnerProduct(part, gradient), rule) for part, rule in zip(parts, rules, strict=True)]
+        return {"cell_pressure": -sum(traces) / 3 / by_body(ngsolve.Det(gradient), self._reduced)}
 
 
 def _by_element(space: DisplacementSpace, values: Array) -> tuple[ngsolve.GridFunction, ...]:

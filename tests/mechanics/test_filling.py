@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ngsolve
 import numpy as np
 import pytest
 
@@ -9,6 +10,7 @@ from ngcell.geometry.filling import lumen_quads
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.rings import ring_layers, ring_mesh
 from ngcell.mechanics.bulk import BodyEnergy, InclusionEnergy
+from ngcell.mechanics.laws.custom import CustomLaw
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
@@ -113,3 +115,20 @@ def test_the_pressure_of_a_filling_is_that_of_its_volume(order):
     state = space.configuration(space.affine(gradient, np.zeros(2)).ravel())
     found = InclusionEnergy(space, FILLING).cell_fields(state, 1.0)
     assert found["cell_pressure"] == pytest.approx([-FILLING.bulk_modulus * np.log(jacobian) / jacobian], rel=1e-10)
+
+
+def neo_hookean(gradient: ngsolve.CoefficientFunction) -> ngsolve.CoefficientFunction:
+    return 0.5 * (ngsolve.InnerProduct(gradient, gradient) - 3) - ngsolve.log(ngsolve.Det(gradient))
+
+
+def test_the_pressure_in_a_lumen_is_that_of_its_law_whichever_parts_its_energy_has():
+    lattice = hexagonal_lattice(1, 1, side=1.0, pointy=True)
+    bodies = ring_mesh(lattice, wall=0.1, radius=0.0, edges=1, layers=1, supports={}, filled=True)
+    space = DisplacementSpace(bodies, 1)
+    gradient = np.array([[1.1, 0.2, 0.0], [0.1, 0.8, 0.0], [0.0, 0.0, 1.0]])
+    at = space.configuration(space.affine(gradient[:2, :2] - np.eye(2), np.zeros(2)).ravel())
+    law = CustomLaw(neo_hookean)
+    expected = -np.trace(law.cauchy_stress(gradient[None])[0]) / 3
+    assert abs(expected) > 0.01
+    found = InclusionEnergy(space, law).cell_fields(at, 1.0)["cell_pressure"]
+    assert found == pytest.approx([expected], rel=1e-10)

@@ -16,7 +16,7 @@ from netgen.meshing import Element0D, Element1D, Mesh, MeshPoint, Pnt
 from numpy.typing import NDArray
 
 from ngcell.errors import CaseError
-from ngcell.mechanics.laws.law import FibreLaw, plane_strain_modulus
+from ngcell.mechanics.laws.law import FibreLaw, in_three_dimensions, plane_strain_modulus
 
 Array = NDArray[np.float64]
 Expression = Callable[[ngsolve.CoefficientFunction], ngsolve.CoefficientFunction]
@@ -108,7 +108,7 @@ class CustomLaw:
         self, gradient: ngsolve.CoefficientFunction
     ) -> tuple[ngsolve.CoefficientFunction, ngsolve.CoefficientFunction]:
         """Return the two parts of W [stress], as the script gave them."""
-        whole = _in_three_dimensions(gradient) if tuple(gradient.dims) == (2, 2) else gradient
+        whole = in_three_dimensions(gradient)
         volumetric = ngsolve.CF(0.0) if self.volumetric is None else self.volumetric(ngsolve.Det(whole))
         return self.energy(whole), volumetric
 
@@ -127,12 +127,6 @@ class CustomLaw:
         stress = self.stored_energy(variable).Diff(variable)
         values = stress(_interval()((np.arange(count) + 0.5) / count))
         return np.asarray(values, dtype=float).reshape(count, 3, 3)
-
-
-def _in_three_dimensions(gradient: ngsolve.CoefficientFunction) -> ngsolve.CoefficientFunction:
-    """Return a planar deformation gradient with the stretch 1 out of the plane."""
-    xx, xy, yx, yy = (gradient[row, column] for row in range(2) for column in range(2))
-    return ngsolve.CF((xx, xy, 0, yx, yy, 0, 0, 0, 1), dims=(3, 3))
 
 
 @cache

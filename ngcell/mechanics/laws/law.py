@@ -75,3 +75,11 @@ def plane_strain_modulus(shear_modulus: float, bulk_modulus: float) -> float:
     """Return E / (1 - nu^2) [stress] of an isotropic solid."""
     mu, kappa = shear_modulus, bulk_modulus
     return 4 * mu * (3 * kappa + mu) / (3 * kappa + 4 * mu)
+
+
+def in_three_dimensions(gradient: ngsolve.CoefficientFunction) -> ngsolve.CoefficientFunction:
+    """Return a deformation gradient of shape (3, 3): a planar one with the stretch 1 out of the plane."""
+    if tuple(gradient.dims) == (3, 3):
+        return gradient
+    xx, xy, yx, yy = (gradient[row, column] for row in range(2) for column in range(2))
+    return ngsolve.CF((xx, xy, 0, yx, yy, 0, 0, 0, 1), dims=(3, 3))
