@@ -169,5 +169,5 @@ def command(kills: int, minutes: float, seed: int) -> None:
     sums = {column: sum(row.get(column, 0) for row in rows) for column in COLUMNS[2:]}
     rows.append({"scene": "all", "signal": "", **sums})
     tables.write(RESULTS / "soak.csv", COLUMNS, ({column: row.get(column, 0) for column in COLUMNS} for row in rows))
-    click.echo(f"{sums['kills']} kills, {sums["files_changed"]} files changed, {sums['folders_lost']} folders lost")
+    click.echo(f"{sums['kills']} kills, {sums['files_changed']} files changed, {sums['folders_lost']} folders lost")
     sys.exit(bool(sums["files_changed"] or sums["folders_lost"]))
