@@ -41,7 +41,7 @@ SCENES = {
     "own bodies": ("parting-rings", "levels=4", "steps=4", "mesh.order=1"),
 }
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
-COLUMNS = ("scene", "signal", "kills", "before_first_step", "ended_anyway", "runs", "numbers_changed", "folders_lost")
+COLUMNS = ("scene", "signal", "kills", "before_first_step", "ended_anyway", "runs", "files_changed", "folders_lost")
 _MOST_KILLS_OF_A_RUN = 8
 
 
@@ -136,7 +136,7 @@ def soaked(
     if not lost:
         mine, meant = contents(folder), contents(whole.folder)
         changed = sum(mine.get(name) != meant.get(name) for name in mine.keys() | meant.keys())
-    yield Counter({"signal": name, "runs": 1, "folders_lost": lost, "numbers_changed": changed})
+    yield Counter({"signal": name, "runs": 1, "folders_lost": lost, "files_changed": changed})
 
 
 def _is_lost(exit_code: int) -> int:
@@ -169,5 +169,5 @@ def command(kills: int, minutes: float, seed: int) -> None:
     sums = {column: sum(row.get(column, 0) for row in rows) for column in COLUMNS[2:]}
     rows.append({"scene": "all", "signal": "", **sums})
     tables.write(RESULTS / "soak.csv", COLUMNS, ({column: row.get(column, 0) for column in COLUMNS} for row in rows))
-    click.echo(f"{sums['kills']} kills, {sums['numbers_changed']} files changed, {sums['folders_lost']} folders lost")
-    sys.exit(bool(sums["numbers_changed"] or sums["folders_lost"]))
+    click.echo(f"{sums['kills']} kills, {sums['files_changed']} files changed, {sums['folders_lost']} folders lost")
+    sys.exit(bool(sums["files_changed"] or sums["folders_lost"]))
