@@ -217,7 +217,7 @@ WRONG: dict[str, tuple[tuple[str, str], int, str, str]] = {
     "no levels": (("levels = 2", "levels = 0"), 18, "load.levels = 0", "from 1 to 1000"),
     "empty list of levels": (("levels = 2", "levels = []"), 18, "load.levels = []", "each other than the one before"),
     "level twice": (("levels = 2", "levels = [0.5, 0.5]"), 18, "load.levels = [0.5, 0.5]", "each other than"),
-    "level zero first": (("levels = 2", "levels = [0, 0.5]"), 18, "load.levels = [0, 0.5]", "each other than"),
+    "level zero twice": (("levels = 2", "levels = [0, 0, 0.5]"), 18, "load.levels = [0, 0, 0.5]", "each other than"),
     "negative level": (("levels = 2", "levels = [0.5, -0.5]"), 18, "load.levels = [0.5, -0.5]", "in [0, 1]"),
     "level beyond the load": (("levels = 2", "levels = [0.5, 1.5]"), 18, "load.levels", "in [0, 1]"),
     "level not a number": (("levels = 2", "levels = [0.5, nan]"), 18, "load.levels = [0.5, NaN]", "[0, 1]"),

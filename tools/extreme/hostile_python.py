@@ -1,4 +1,4 @@
-"""Bodies from Python, recorded into a result folder: what `hostile` runs where a scene is not a case file.
+"""Bodies from Python, recorded into a result folder, as `hostile` runs them.
 
     python -m tools.extreme hostile-python SPEC FOLDER
 

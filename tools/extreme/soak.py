@@ -1,4 +1,4 @@
-"""Runs that are killed at random moments, again and again, and gone on with: does a number change, is a folder lost?
+"""Runs that are killed at random moments and resumed: does a number change, is a folder lost?
 
     python -m tools.extreme soak [--kills 200] [--minutes 60] [--seed 1]
 

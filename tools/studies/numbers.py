@@ -27,11 +27,14 @@ def with_tolerance(multiple: float) -> Options:
 
 
 def names(record: Any | None = None, prefix: str = "") -> list[str]:
-    """Return the names of all numbers, of those of one record with a prefix."""
+    """Return the names of all single numbers, of those of one record with a prefix."""
     given, found = Options() if record is None else record, []
     for name in (field.name for field in fields(given)):
         value = getattr(given, name)
-        found += names(value, f"{prefix}{name}.") if is_dataclass(value) else [f"{prefix}{name}"]
+        if is_dataclass(value):
+            found += names(value, f"{prefix}{name}.")
+        elif not isinstance(value, tuple):
+            found.append(f"{prefix}{name}")
     return found
 
 
