@@ -15,6 +15,7 @@ whole with the mirrored, scaled or otherwise equal scene. Rows are kept in `tool
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import sys
 import tempfile
@@ -33,7 +34,8 @@ from tools.extreme.hostile_scenes import SEED, Run, Scene, scenes
 from tools.places import RESULTS
 from tools.runs import Ended, ended, sources, summary_in
 
-FOLDERS = Path(tempfile.gettempdir()) / "ngcell-hostile"
+#: Folders of one process: two that run at the same time do not share them.
+FOLDERS = Path(tempfile.gettempdir()) / f"ngcell-hostile-{os.getpid()}"
 #: Processor seconds of one run, and how much longer it may take on the clock of a busy machine.
 BUDGET, PATIENCE = 60.0, 4.0
 CERTIFIED, NAMED, WRONG, BROKEN, OVER = "certified", "named", "WRONG", "TRACEBACK", "OVER BUDGET"
@@ -79,6 +81,7 @@ def command(seed: int, first: int, only: str, failing: bool, out: Path) -> None:
         kept = [rows[scene.label] for scene in drawn if scene.label in rows]
         tables.write(out, [column.name for column in fields(Row)], map(asdict, kept))
         out.with_suffix(".md").write_text(report(kept, len(drawn)), encoding="utf-8")
+    shutil.rmtree(FOLDERS, ignore_errors=True)
     sys.exit(any(row.outcome in FAILED for row in rows.values()))
 
 
