@@ -178,7 +178,11 @@ class FakeMinimiser:
         start_from=lambda before, state: None,
         apply=lambda load_factor: None,
         has_history=False,
+        part=np.zeros(1, dtype=np.int64),
+        at=lambda displacement: None,
+        couplings=lambda state, margin: (np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64)),
     )
+    is_iterative = True
 
     def minimise(
         self, start: np.ndarray, proximal: ProximalTerm, tolerance: float = 0.0, most: int | None = None
@@ -217,7 +221,7 @@ class FakeMotion:
 
 
 def tied_steps(fake: FakeMinimiser) -> Iterator[Accepted]:
-    problems = SimpleNamespace(tied=(fake,), released=SimpleNamespace(longest_step=1.0))
+    problems = SimpleNamespace(tied=(fake,), released=SimpleNamespace(longest_step=1.0, path=SimpleNamespace(scale=1.0)))
     return Sddp().follow(Task(problems, FakeMotion(), [0.5, 1.0], []), Progress())
 
 
