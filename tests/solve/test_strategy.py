@@ -200,7 +200,7 @@ class FakeMinimiser:
     def forget_matrix(self) -> None:
         pass
 
-    def predict(self, displacement: np.ndarray, imposed: np.ndarray, weight: float) -> np.ndarray:
+    def foresee(self, displacement: np.ndarray, imposed: np.ndarray, weight: float) -> np.ndarray:
         return imposed
 
     def proximal_energy(self, displacement: np.ndarray, proximal: ProximalTerm) -> float:
