@@ -221,7 +221,8 @@ class FakeMotion:
 
 
 def tied_steps(fake: FakeMinimiser) -> Iterator[Accepted]:
-    problems = SimpleNamespace(tied=(fake,), released=SimpleNamespace(longest_step=1.0, path=SimpleNamespace(scale=1.0)))
+    released = SimpleNamespace(longest_step=1.0, path=SimpleNamespace(scale=1.0))
+    problems = SimpleNamespace(tied=(fake,), released=released)
     return Sddp().follow(Task(problems, FakeMotion(), [0.5, 1.0], []), Progress())
 
 
