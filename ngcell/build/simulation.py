@@ -206,14 +206,8 @@ class Simulation:
 
     def _minimiser(self, problem: Problem, longest_step: float) -> Minimiser:
         volume = float(self.space.one @ self.space.scalar_mass @ self.space.one)
-        return Minimiser(
-            problem,
-            longest_step,
-            energy_scale=self._moduli[1] * volume,
-            options=self.options.solver.minimiser,
-            clock=self.clock,
-            budget=self._budget,
-        )
+        scale, options = self._moduli[1] * volume, self.options.solver.minimiser
+        return Minimiser(problem, longest_step, scale, options=options, clock=self.clock, budget=self._budget)
 
     @property
     def strategy(self) -> Strategy:
@@ -275,8 +269,8 @@ class Simulation:
         task = Task(self, self.motion, self._steps(), self.levels, self.options.solver)
         for term in self.cohesion if checkpoint.memory else ():
             term.recall(checkpoint.memory)
-        accepted = self.strategy.follow(task, checkpoint.progress)
-        return within_budget(accepted, self._budget, checkpoint.progress.load_factor)
+        progress = checkpoint.progress
+        return within_budget(self.strategy.follow(task, progress), self._budget, progress.load_factor)
 
     def _memory(self, accepted: Accepted) -> dict[str, NDArray[np.generic]]:
         """Return what terms remember, and where energy went; nothing where there is no history."""

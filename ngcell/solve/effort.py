@@ -35,7 +35,7 @@ class OutOfIterations(Exception):  # noqa: N818 - named as what is reported, not
 class Budget:
     """The iterations of a step, all minimisers together, and all attempts."""
 
-    most: int
+    most: float = float("inf")
     spent: int = 0
 
     def renew(self) -> None:

@@ -56,8 +56,6 @@ class Minimiser:
         The method's own numbers.
     clock : Clock
         Where the seconds are added up.
-    effort : Effort
-        What was spent.
     budget : Budget, optional
         The iterations that are left of a step.
     """
@@ -68,7 +66,7 @@ class Minimiser:
     options: MinimiserOptions = field(default_factory=MinimiserOptions)
     clock: Clock = field(default_factory=Clock)
     effort: Effort = field(default_factory=Effort)
-    budget: Budget | None = None
+    budget: Budget = field(default_factory=Budget)
     _system: System | None = None
     _near_at: Array | None = None
     _may_touch: bool = False
@@ -87,8 +85,7 @@ class Minimiser:
         for _ in range(most or self.options.most_iterations):
             self.clock.check()
             self.effort.iterations += 1
-            if self.budget is not None:
-                self.budget.spend()
+            self.budget.spend()
             advance = self._descend(state, proximal, damping, tolerance)
             if advance is None:
                 return Minimum(state, Ending.NO_DESCENT, decrement, proximal)
@@ -135,22 +132,14 @@ class Minimiser:
         self.effort.factorisations += rounds
         return displacement + jump + step
 
-    def shifted(self, minimum: Minimum, weight: float) -> Callable[[Array], Array]:
-        """Return what solves systems with the tangent at a minimum plus `weight` times the mass matrix.
-
-        Walls that are closed stay closed.
-        """
+    def stiffened(self, minimum: Minimum, weight: float) -> Callable[[Array], Array]:
+        """Return what solves systems with the tangent at a minimum plus a multiple of the mass; closed walls stay so."""
         line = self.problem.linearise(minimum.state)
         model, matrix = self._model(minimum.state, line, minimum.proximal, weight)
         closed = np.flatnonzero(model.gap < 0)
         matrix.factorise(matrix.add_penalty_terms(model.stiffness, model.jacobian[closed], model.penalty[closed]))
         self.effort.factorisations += 1
         return matrix.solve
-
-    def may_touch(self, displacement: Array, way: float) -> bool:
-        """Return whether bodies may come into contact while nothing moves by more than `way` [length]."""
-        row, column = self.problem.couplings(self._at(displacement), 2 * way)
-        return bool((self.problem.part[row] != self.problem.part[column]).any())
 
     def adopt_matrix(self, other: Minimiser) -> None:
         """Take over the matrix of a minimiser that has the same unknowns and bodies, if there is none yet."""

@@ -148,10 +148,10 @@ class StabilityOptions:
 
     Attributes
     ----------
-    shift : float
-        Weight, in units of the continuation's scale, that is large beside curvatures worth finding.
+    weight : float
+        A weight of the mass matrix, in units of the continuation's scale, that is large beside curvatures worth finding.
     rounds, negative : int, float
-        Most rounds of Lanczos' method, and the share of the shift below which a negative curvature is none.
+        Most rounds of Lanczos' method, and the share of the weight below which a negative curvature is none.
     departures : tuple of float
         Distances from a saddle that are tried, as shares of the longest step.
     fallen, same : float
@@ -160,7 +160,7 @@ class StabilityOptions:
         Most saddles that are left one after the other.
     """
 
-    shift: float = 10.0
+    weight: float = 10.0
     rounds: int = 40
     negative: float = 1e-4
     departures: tuple[float, ...] = (0.5, 0.05, 0.005)

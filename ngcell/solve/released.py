@@ -90,9 +90,14 @@ class Released:
         each other. Where nothing can touch on the whole way, one increment does.
         """
         way = float(np.abs(imposed - displacement).max())
-        if self.is_alone or way <= self.longest_step or not self.minimisers[-1].may_touch(displacement, way):
+        if self.is_alone or way <= self.longest_step or not self._may_touch(displacement, way):
             return 1
         return int(np.ceil(way / self.longest_step * (1 - 1e-9)))
+
+    def _may_touch(self, displacement: Array, way: float) -> bool:
+        """Return whether bodies may come into contact while nothing moves by more than `way` [length]."""
+        row, column = self.problem.couplings(self.problem.at(displacement), 2 * way)
+        return bool((self.problem.part[row] != self.problem.part[column]).any())
 
     def step(self, start: Array, centre: Array, load: float, *, may_stall: bool = True) -> Accepted:
         """Return the selected equilibrium; see `Continuation.select`.

@@ -48,7 +48,7 @@ def leave_saddle(
     length : float
         How far from a saddle other minima are looked for [length].
     """
-    weight = options.shift * scale
+    weight = options.weight * scale
     for _ in range(options.most_saddles):
         direction = concave_direction(minimiser, minimum, weight, options) if minimum.is_found else None
         below = None if direction is None else _below(minimiser, minimum, length * direction, options)
@@ -68,7 +68,7 @@ def concave_direction(
     """
     if minimiser.is_iterative:
         return None
-    solve, free = minimiser.shifted(minimum, weight), minimiser.problem.free
+    solve, free = minimiser.stiffened(minimum, weight), minimiser.problem.free
     theta, direction = _lanczos(solve, minimiser.problem.mass, free, options.rounds)
     curvature = (1 / theta if theta else np.inf) - weight
     if not curvature < -options.negative * weight:

@@ -178,7 +178,11 @@ class FakeMinimiser:
         start_from=lambda before, state: None,
         apply=lambda load_factor: None,
         has_history=False,
+        part=np.zeros(1, dtype=np.int64),
+        at=lambda displacement: None,
+        couplings=lambda state, margin: (np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64)),
     )
+    is_iterative = True
 
     def minimise(
         self, start: np.ndarray, proximal: ProximalTerm, tolerance: float = 0.0, most: int | None = None
@@ -196,7 +200,7 @@ class FakeMinimiser:
     def forget_matrix(self) -> None:
         pass
 
-    def predict(self, displacement: np.ndarray, imposed: np.ndarray, weight: float) -> np.ndarray:
+    def foresee(self, displacement: np.ndarray, imposed: np.ndarray, weight: float) -> np.ndarray:
         return imposed
 
     def proximal_energy(self, displacement: np.ndarray, proximal: ProximalTerm) -> float:
@@ -217,7 +221,8 @@ class FakeMotion:
 
 
 def tied_steps(fake: FakeMinimiser) -> Iterator[Accepted]:
-    problems = SimpleNamespace(tied=(fake,), released=SimpleNamespace(longest_step=1.0))
+    released = SimpleNamespace(longest_step=1.0, path=SimpleNamespace(scale=1.0))
+    problems = SimpleNamespace(tied=(fake,), released=released)
     return Sddp().follow(Task(problems, FakeMotion(), [0.5, 1.0], []), Progress())
 
 

@@ -1,0 +1,47 @@
+"""Slender blocks buckle, jumps do not tunnel, and loads that nothing balances are told at once."""
+
+from __future__ import annotations
+
+import pytest
+from netgen import occ
+
+from ngcell.errors import CaseError
+from ngcell.run import simulate
+from ngcell.scene import Body, BodyScene, BodySupport, MooneyRivlin, Traction
+
+_RUBBER = MooneyRivlin(c1=0.25, c2=0.25, bulk_modulus=50)
+
+
+def _block(name: str, left: float, width: float, low: float, height: float) -> Body:
+    face = occ.MoveTo(left, low).Rectangle(width, height).Face()
+    sides = {"left": face.edges.Min(occ.X), "right": face.edges.Max(occ.X), "low": face.edges.Min(occ.Y)}
+    for side, edge in {**sides, "top": face.edges.Max(occ.Y)}.items():
+        edge.name = f"{name}_{side}"
+    return Body(face, _RUBBER, name)
+
+
+def _column(others: int) -> float:
+    far = [_block(f"far{n}", 5 + 3 * n, 1.0, 0.0, 1.0) for n in range(others)]
+    supports = [BodySupport("col_low"), BodySupport("col_top", translation=(0.0, -0.1))]
+    supports += [BodySupport(f"{body.name}_low") for body in far]
+    bodies = (_block("col", 0.0, 0.1, 0.0, 2.0), *far)
+    return simulate(BodyScene(bodies, tuple(supports), size=0.1, levels=1))[-1].record.energy
+
+
+def test_a_slender_block_buckles_alone_as_beside_another() -> None:
+    alone = _column(0)
+    assert alone < 0.4 * 0.00053375  # the energy of the straight one
+    assert _column(1) == pytest.approx(alone, rel=1e-8)
+
+
+def test_one_jump_through_a_beam_is_followed() -> None:
+    bodies = (_block("beam", 0.0, 4.0, 0.0, 0.2), _block("punch", 1.8, 0.4, 0.3, 0.4))
+    supports = (BodySupport("beam_left"), BodySupport("beam_right"), BodySupport("punch_top", translation=(0.0, -0.6)))
+    one, six = (simulate(BodyScene(bodies, supports, size=0.2, order=1, levels=levels))[-1].record for levels in (1, 6))
+    assert one.energy > 0
+    assert one.energy == pytest.approx(six.energy, rel=1e-8)
+
+
+def test_a_load_that_nothing_balances_is_a_bad_case() -> None:
+    with pytest.raises(CaseError, match="nothing balances it"):
+        simulate(BodyScene((_block("a", 0.0, 1.0, 0.0, 1.0),), loads=(Traction("a_top", (0.1, 0.0)),), size=0.5))
