@@ -133,7 +133,7 @@ class Minimiser:
         return displacement + jump + step
 
     def stiffened(self, minimum: Minimum, weight: float) -> Callable[[Array], Array]:
-        """Return what solves systems with the tangent at a minimum plus a multiple of the mass; closed walls stay so."""
+        """Return what solves with the tangent at a minimum plus a multiple of the mass; closed walls stay so."""
         line = self.problem.linearise(minimum.state)
         model, matrix = self._model(minimum.state, line, minimum.proximal, weight)
         closed = np.flatnonzero(model.gap < 0)

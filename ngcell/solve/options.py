@@ -149,7 +149,7 @@ class StabilityOptions:
     Attributes
     ----------
     weight : float
-        A weight of the mass matrix, in units of the continuation's scale, that is large beside curvatures worth finding.
+        A weight of the mass matrix, in units of the continuation's scale, large beside curvatures worth finding.
     rounds, negative : int, float
         Most rounds of Lanczos' method, and the share of the weight below which a negative curvature is none.
     departures : tuple of float
