@@ -128,7 +128,7 @@ class Minimiser:
         driven = matrix.multiply(model.stiffness, jump) - model.pulled(model.penalty * np.minimum(model.gap, 0))
         driven = np.where(self.problem.free, driven, 0.0)
         moved = replace(model, gradient=driven, gap=model.gap + model.jacobian @ jump)
-        step, _, rounds = minimise_one_sided(moved, matrix, self.options.inner)
+        step, _, rounds = minimise_one_sided(moved, matrix, self.options.foreseeing)
         self.effort.factorisations += rounds
         return displacement + jump + step
 

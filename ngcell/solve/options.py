@@ -60,8 +60,9 @@ class MinimiserOptions:
         new one costs as much as ten factorisations.
     most_direct : int
         Most unknowns of three-dimensional scenes that are solved for by a direct solver; in the plane all are.
-    inner : InnerOptions
-        Those of the inner problem.
+    inner, foreseeing : InnerOptions
+        Those of the inner problem, and of one that is a prediction: nothing judges it afterwards, so it is solved until
+        its walls have settled, and bodies that nothing touches stay where they are.
     """
 
     poor: float = 1e-4
@@ -84,6 +85,7 @@ class MinimiserOptions:
     wide_margin: float = 4.0
     most_direct: int = 200_000
     inner: InnerOptions = field(default_factory=InnerOptions)
+    foreseeing: InnerOptions = InnerOptions(most_rounds=50, worthwhile_gain=0.0)
 
 
 @dataclass(frozen=True)

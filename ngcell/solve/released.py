@@ -75,7 +75,7 @@ class Released:
         by the round-off of its mesh alone, and a vanishing proximal term would send it anywhere.
         """
         options, minimiser = self.path.options, self.minimisers[-1]
-        weight = self.path.scale * options.last
+        weight = self.path.scale * max(options.stiffen_at, options.last)
         limit = options.farthest * max(self.longest_step, float(np.abs(imposed - displacement).max()))
         while True:
             foreseen = minimiser.foresee(displacement, imposed, weight)
