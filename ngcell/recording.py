@@ -143,7 +143,7 @@ class Recording:
                 raise NotConverged(message, outcome=outcome.name, steps=tuple(steps))
 
     def _checkpoint(self, simulation: Simulation) -> Checkpoint:
-        """Return where the continuation starts."""
+        """Return where the load path starts."""
         if self._restart is None:
             return simulation.start
         try:
@@ -152,7 +152,7 @@ class Recording:
                 raise ValueError(f"{checkpoint.count} steps where {len(self._restart.reports)} were accepted")
             return checkpoint
         except (ValueError, KeyError, TypeError, LookupError) as error:
-            raise cannot_resume(self._out, f"what the continuation stood at does not fit the case ({error})") from error
+            raise cannot_resume(self._out, f"the checkpoint does not fit the case ({error})") from error
 
     def _verified(self, steps: list[StepReport], simulation: Simulation) -> dict[str, Any] | None:
         if not self._verify_penalty:

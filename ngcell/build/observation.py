@@ -67,7 +67,7 @@ class Step:
     findings : list of Finding
         What the case expects at this level, beside what was measured.
     checkpoint : Checkpoint
-        Where the continuation stands after it.
+        Where the load path stands after it.
     effort : Effort
         What it took.
     """

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 from ngcell.mechanics.report import Check
 
-#: Limits of the checks of all scenes: the largest value that passes, unless said otherwise.
+#: Limits of the checks of all scenes: the largest value that passes, unless said otherwise. That of quadrature is below
+#: the 7 % by which the energy of a tissue errs on the default mesh: the rule is never the larger error.
 LIMITS = {
     "residual": 1e-6,
     "penetration_over_wall": 0.02,
@@ -20,7 +21,7 @@ LIMITS = {
     "plate_balance": 1e-3,
     "self_penetration_over_wall": 0.02,
     "smallest_jacobian": 0.0,
-    "quadrature_error": 0.02,
+    "quadrature_error": 0.05,
     "stabilisation": 1e-3,
     "work_mismatch": 1e-3,
     "energy_above_tied": 1e-3,

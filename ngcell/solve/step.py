@@ -43,11 +43,11 @@ class Account:
     Attributes
     ----------
     dissipation : float
-        What was lost as the energy fell at held supports, since rest [energy].
-    mismatch : float
-        Work of supports and loads minus the change of all energies and losses, since the step before [energy].
+        What was lost as the energy fell at held supports, since rest, or since the tied state where walls are released
+        from one [energy].
     mismatch_share : float
-        Its magnitude over the energy that the step moved.
+        Work of supports and loads minus the change of all energies and losses, since the step before, over the energy
+        that the step moved; >= 0.
     increment : float
         Change of load factor that the next step may make; 0 where that is not known.
     targets : int
@@ -55,7 +55,6 @@ class Account:
     """
 
     dissipation: float
-    mismatch: float
     mismatch_share: float
     increment: float = 0.0
     targets: int = 0

@@ -42,7 +42,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, eq=False)
 class _Place:
-    """Where the continuation stands: load factor, minimum, the loss so far."""
+    """Where the load path stands: load factor, minimum, the loss so far."""
 
     load: float
     minimum: Minimum
@@ -146,10 +146,10 @@ class _Path:
         if np.isfinite(moved.state.energy):
             minimum = self._fallen(towards)
             least = 0.0 if is_shortest else self._options.snapped
-            lost, mismatch, share = self._balance(start, moved, self._stand(minimum.state, goal), least)
+            lost, share = self._balance(start, moved, self._stand(minimum.state, goal), least)
             _log.info("step to %.6g: %s, mismatch %.1e, lost %.1e", goal, minimum.ending.value, share, lost)
             if minimum.is_found and share <= self._options.mismatch:
-                account = Account(place.dissipation + lost, mismatch, share)
+                account = Account(place.dissipation + lost, share)
                 return _Place(goal, minimum, account.dissipation), account
         self._released.apply(place.load)
         return None
@@ -165,20 +165,20 @@ class _Path:
                 return minimum
             start = minimum.state.displacement
 
-    def _balance(self, start: _Stand, moved: _Stand, end: _Stand, least: float) -> tuple[float, float, float]:
-        """Return the loss of a step, what of the energy is not accounted for, and that as a share of what was moved.
+    def _balance(self, start: _Stand, moved: _Stand, end: _Stand, least: float) -> tuple[float, float]:
+        """Return the loss of a step, and what of the energy is not accounted for as a share of what was moved.
 
         Only where equilibria at both ends leave more than `least` unexplained a loss is looked for.
         """
         free = self._problem.free
         way = np.where(free, 0.0, end.state.displacement - start.state.displacement)
-        mismatch, share = _unexplained(start, end, way, self._options.quiet)
+        share = _unexplained(start, end, way, self._options.quiet)
         if share <= max(self._options.mismatch, least):
-            return 0.0, mismatch, share
+            return 0.0, share
         way = moved.state.displacement - start.state.displacement
-        mismatch, share = _unexplained(start, moved, way, self._options.quiet)
+        share = _unexplained(start, moved, way, self._options.quiet)
         held_back = float((start.force + moved.force)[free] @ way[free]) / 2
-        return moved.state.energy - end.state.energy - held_back, mismatch, share
+        return moved.state.energy - end.state.energy - held_back, share
 
     def _stand(self, state: State, load: float) -> _Stand:
         force = self._problem.gradient(state) if np.isfinite(state.energy) else np.zeros(0)
@@ -196,12 +196,11 @@ class _Path:
             weight *= 100
 
 
-def _unexplained(one: _Stand, two: _Stand, way: Array, quiet: float) -> tuple[float, float]:
-    """Return work minus change of energy on a way, by the trapezoidal rule, and its share of what is moved."""
+def _unexplained(one: _Stand, two: _Stand, way: Array, quiet: float) -> float:
+    """Return work minus change of energy on a way, by the trapezoidal rule, as a share of what is moved."""
     work = float((one.force + two.force) @ way) / 2
     for before, after in zip(one.drives, two.drives, strict=True):
         work += (after.share - before.share) * (before.potential + after.potential) / 2
     change = two.state.energy - one.state.energy
-    mismatch = work - change
     moved = max(abs(change), abs(work), quiet * abs(one.state.energy), np.finfo(float).tiny)
-    return mismatch, abs(mismatch) / moved
+    return abs(work - change) / moved

@@ -1,8 +1,9 @@
 """SDDP, the successive deformation decomposition procedure.
 
-At each level the tissue first deforms as one tied solid, then its walls are released from that state, which is the
-centre of the continuation. Tied states follow each other; every release starts from its own tied state, so a level does
-not depend on the levels before it.
+At each level the tissue first deforms as one tied solid, then its walls are released from that state. Tied states
+follow each other; every release starts from its own tied state, so a level does not depend on the levels before it. The
+centre of the continuation is the lifting of the load, as for all strategies, and the tied state where the load has
+none: which released equilibrium is found depends on the load, and the energy of the tied state bounds its energy.
 
 References
 ----------
@@ -75,9 +76,8 @@ def _with_loss(released: Released, step: Accepted, tied_energy: float) -> Accept
     """Return a step from a tied state at held supports: what the energy fell by is lost."""
     released.problem.accept(step.minimum.state.displacement)
     lost = tied_energy - step.minimum.state.energy
-    gained = max(-lost, 0.0)
-    share = gained / max(abs(tied_energy), np.finfo(float).tiny)
-    return replace(step, account=Account(max(lost, 0.0), gained, share))
+    share = max(-lost, 0.0) / max(abs(tied_energy), np.finfo(float).tiny)
+    return replace(step, account=Account(max(lost, 0.0), share))
 
 
 def _schedule(steps: Sequence[float], levels: Sequence[float]) -> Iterator[tuple[str, float]]:
