@@ -33,7 +33,7 @@ from ngcell.problem.tie import tie_walls
 from ngcell.results.measure import Setup
 from ngcell.results.observables.observable import Observable
 from ngcell.results.overlap import deepest_overlap_of_bodies
-from ngcell.scene import AnyCase, BodyScene
+from ngcell.scene import AnyCase, BodyScene, Case
 from ngcell.solve.continuation import Continuation
 from ngcell.solve.effort import Budget
 from ngcell.solve.minimise import Minimiser
@@ -92,7 +92,7 @@ class Simulation:
         self.longest_step = self.bodies.thickness / 2
         self.setup = Setup(
             walls=self.walls,
-            facing=find_facing(self.walls, _TOUCHING * self.bodies.thickness, self._reach),
+            facing=find_facing(self.walls, _TOUCHING * self.bodies.thickness, self._facing_reach),
             motion=self.motion,
             moved=built.moved,
             prescribed_displacement=built.prescribed_displacement,
@@ -145,6 +145,11 @@ class Simulation:
             return usual
         deepest = deepest_overlap_of_bodies(self.space, self.walls, self.space.rest)
         return max(usual, deepest + self.longest_step)
+
+    @property
+    def _facing_reach(self) -> float:
+        """Distance up to which walls face each other [length]: those of a tissue touch, others may be apart."""
+        return 0.0 if isinstance(self._case, Case) else self._reach
 
     @cached_property
     def tied_problems(self) -> tuple[Problem, ...]:

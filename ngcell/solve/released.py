@@ -72,13 +72,17 @@ class Released:
         """Return the displacement that follows, to first order, when prescribed values jump.
 
         Bodies are held back where they would run ahead: one that only slides, as a disc that turns in a ring, is driven
-        by the round-off of its mesh alone, and a vanishing proximal term would send it anywhere.
+        by the round-off of its mesh alone, and a vanishing proximal term would send it anywhere. Where values jump by
+        more than a longest step, walls are seen to open and close; shorter jumps meet them on the path.
         """
         options, minimiser = self.path.options, self.minimisers[-1]
-        weight = self.path.scale * max(options.stiffen_at, options.last)
-        limit = options.farthest * max(self.longest_step, float(np.abs(imposed - displacement).max()))
+        jump = float(np.abs(imposed - displacement).max())
+        limit = options.farthest * max(self.longest_step, jump)
+        is_long = jump > self.longest_step
+        predict = minimiser.foresee if is_long else minimiser.predict
+        weight = self.path.scale * (max(options.stiffen_at, options.last) if is_long else options.last)
         while True:
-            foreseen = minimiser.foresee(displacement, imposed, weight)
+            foreseen = predict(displacement, imposed, weight)
             if float(np.abs(foreseen - displacement).max()) <= limit or weight > self.path.scale * options.first:
                 return foreseen
             weight *= options.hold_back

@@ -64,9 +64,9 @@ def concave_direction(
 ) -> Array | None:
     """Return a direction of negative curvature, its largest component 1; None where none was found.
 
-    `weight` [stress / length**2] should be large beside the curvatures worth finding.
+    `weight` [stress / length**2] should be large beside the curvatures worth finding. Scenes in space are not searched.
     """
-    if minimiser.is_iterative:
+    if minimiser.problem.dimension == 3:
         return None
     solve, free = minimiser.stiffened(minimum, weight), minimiser.problem.free
     theta, direction = _lanczos(solve, minimiser.problem.mass, free, options.rounds)

@@ -55,7 +55,7 @@ def test_where_there_is_no_equilibrium_none_is_certified(label):
     try:
         steps = steps_of(label)
     except NotConverged as failure:
-        assert failure.outcome in {"RELEASE_FAILED", "TIED_FAILED"}
+        assert failure.outcome in {"RELEASE_FAILED", "TIED_FAILED", "OUT_OF_ITERATIONS"}
     else:
         assert not all(step.record.certified for step in steps)
 

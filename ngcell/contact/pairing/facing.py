@@ -1,10 +1,10 @@
 """Which walls face each other at rest, and the gap between them afterwards.
 
 Facing walls are found from the reference geometry: a facet faces another body if it touches it, or nearly so, with
-opposite normals. Where two bodies touch nowhere, since they are apart at rest or overlap like those of a press-fit, the
-facets are those that are within reach of the other body, on either side of its walls. The gap of a facing wall is
-measured from each of its quadrature points to the nearest point of the other body's walls, wherever that has slid, so
-a parted pair keeps a gap however far it is apart.
+opposite normals. Where two user-defined bodies touch nowhere, since they are apart at rest or overlap like those of a
+press-fit, the facets are those that are within reach of the other body, on either side of its walls. The gap of a
+facing wall is measured from each of its quadrature points to the nearest point of the other body's walls, wherever that
+has slid, so a parted pair keeps a gap however far it is apart.
 """
 
 from __future__ import annotations
