@@ -64,7 +64,8 @@ def concave_direction(
 ) -> Array | None:
     """Return a direction of negative curvature, its largest component 1; None where none was found.
 
-    `weight` [stress / length**2] should be large beside the curvatures worth finding. Three-dimensional scenes are not searched.
+    `weight` [stress / length**2] should be large beside the curvatures worth finding.
+    Three-dimensional scenes are not searched.
     """
     if minimiser.problem.dimension == 3:
         return None
