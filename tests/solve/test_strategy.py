@@ -172,6 +172,7 @@ class FakeMinimiser:
     limits: list[int | None] = field(default_factory=list)
 
     problem = SimpleNamespace(
+        dimension=3,
         free=np.ones(1, dtype=bool),
         expand=lambda displacement: displacement,
         update_multipliers=lambda state: (0.0, 0.0),
