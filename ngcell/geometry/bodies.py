@@ -19,8 +19,6 @@ FILLING = "filling"
 LUMEN = "lumen"
 #: Boundary regions of the upper and the lower ends of prisms.
 UPPER_END, LOWER_END = "upper-end", "lower-end"
-#: Regular expression of both ends.
-ENDS = f"{UPPER_END}|{LOWER_END}"
 #: Boundary regions of a tissue that its load holds or moves.
 LOWER_PLATE, UPPER_PLATE, FRAME = "lower-plate", "upper-plate", "frame"
 #: Boundary region of the ends that face another layer of prisms.
