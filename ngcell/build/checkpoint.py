@@ -21,6 +21,7 @@ from ngcell.solve.strategies.strategy import Progress
 Array = NDArray[np.float64]
 
 _DISPLACEMENT, _WORK, _MEMORY, _COUNT, _ONSETS = "displacement_", "work_", "memory_", "count", "onsets"
+_REPORTED, _LEVEL = "reported_", "level_"
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +41,10 @@ class Checkpoint:
         What terms remember, and where energy went.
     onsets : PairOnsets, optional
         Which wall pairs have opened, and where; None where curves start at the first level.
+    reported : mapping of str to array of float
+        Displacement of all unknowns of the last step of each phase, on the mesh that it was reported on [length].
+    levels : mapping of str to int
+        Number of that mesh.
     """
 
     count: int = 0
@@ -47,6 +52,8 @@ class Checkpoint:
     work: Mapping[str, WorkPoint] = field(default_factory=dict)
     memory: Mapping[str, NDArray[Any]] = field(default_factory=dict)
     onsets: PairOnsets | None = None
+    reported: Mapping[str, Array] = field(default_factory=dict)
+    levels: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def progress(self) -> Progress:
@@ -55,13 +62,19 @@ class Checkpoint:
         return Progress(self.count, load, self.displacement, self.memory)
 
     def after(self, phase: str, displacement: Array, work: WorkPoint) -> Checkpoint:
-        """Return the checkpoint after one more accepted step."""
+        """Return the checkpoint after one more accepted step, with the displacement of all unknowns."""
         return replace(
             self,
             count=self.count + 1,
-            displacement={**self.displacement, phase: displacement},
+            reported={**self.reported, phase: displacement},
             work={**self.work, phase: work},
         )
+
+    def on_level(self, phase: str, level: int) -> Checkpoint:
+        """Return the checkpoint as a step on this mesh sees it: energies on another are no part of its work."""
+        is_same = self.levels.get(phase, level) == level or self.work[phase].load_factor == 0
+        work = self.work if is_same else {name: point for name, point in self.work.items() if name != phase}
+        return replace(self, work=work, levels={**self.levels, phase: level})
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return it as named arrays."""
@@ -71,6 +84,8 @@ class Checkpoint:
             **{f"{_WORK}{phase}": _row(point) for phase, point in self.work.items()},
             **{f"{_MEMORY}{name}": values for name, values in self.memory.items()},
             **({} if self.onsets is None else {_ONSETS: self.onsets.array()}),
+            **{f"{_REPORTED}{phase}": values for phase, values in self.reported.items()},
+            **{f"{_LEVEL}{phase}": np.array(level) for phase, level in self.levels.items()},
         }
 
     @classmethod
@@ -94,7 +109,8 @@ class Checkpoint:
             raise ValueError(f"it holds {max(sizes)} unknowns where the case has {unknowns}")
         work = {phase: _point(values.tolist()) for phase, values in part(_WORK).items()}
         onsets = PairOnsets.from_array(arrays[_ONSETS]) if _ONSETS in arrays else None
-        return cls(int(arrays[_COUNT]), displacement, work, part(_MEMORY), onsets)
+        levels = {phase: int(level) for phase, level in part(_LEVEL).items()}
+        return cls(int(arrays[_COUNT]), displacement, work, part(_MEMORY), onsets, part(_REPORTED), levels)
 
 
 def _row(point: WorkPoint) -> Array:

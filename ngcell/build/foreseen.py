@@ -44,7 +44,7 @@ def check_magnitudes(case: BaseModel) -> None:
     CaseError
         If one is so large or so small that its powers are not.
     """
-    for path, number in _numbers(case.model_dump(exclude={"expected"})):
+    for path, number in _numbers(case.model_dump(exclude={"expected", "accuracy"})):
         if number and not 1 / _LARGEST <= abs(number) <= _LARGEST:
             raise CaseError(
                 f"{path} = {number:g} leaves no room to calculate; allowed: 0, or a magnitude from {1 / _LARGEST:g} to "

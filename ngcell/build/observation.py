@@ -12,15 +12,17 @@ from numpy.typing import NDArray
 
 from ngcell.build.checkpoint import Checkpoint
 from ngcell.geometry.bodies import BodyMesh
+from ngcell.mechanics.report import Check
 from ngcell.mechanics.term import Configuration
 from ngcell.problem.problem import Problem
 from ngcell.problem.reports import cell_fields
 from ngcell.problem.state import State
 from ngcell.results.cells import cell_records, debonding
 from ngcell.results.checks import Path
+from ngcell.results.error import ERROR_NAMES, NO_ERRORS, Errors
 from ngcell.results.fields import Label, take_snapshot
 from ngcell.results.finding import Finding, compare
-from ngcell.results.measure import Measurement, Setup, WorkPoint, measure
+from ngcell.results.measure import Measurement, Setup, WorkPoint, mean_and_largest, measure
 from ngcell.results.observables.observable import Observable, observed
 from ngcell.results.onset import PairOnsets
 from ngcell.results.quantities import View
@@ -146,6 +148,8 @@ class Observer:
         seconds: float,
         *,
         tied: Configuration | None = None,
+        errors: Errors = NO_ERRORS,
+        accuracy: float | None = None,
     ) -> Step:
         """Return what is reported of a step that follows a checkpoint.
 
@@ -161,15 +165,20 @@ class Observer:
             What it took, on the clock.
         tied : Configuration, optional
             The tied state at the same load that walls were released from.
+        errors : Errors
+            Estimated errors.
+        accuracy : float, optional
+            What they are held to; None where none were to be estimated.
         """
         path = Path(accepted.follows, tied, accepted.account)
-        measured = self._measure(accepted, problem, checkpoint, path)
+        judged = () if accuracy is None else (errors.check(accuracy),)
+        measured = self._measure(accepted, problem, checkpoint, path, judged)
         after = checkpoint.after(accepted.phase, accepted.minimum.state.displacement, measured.work)
         view = View(problem, _state(accepted), self._setup.walls, self._setup.motion, measured.reaction)
         columns, fields = observed(self._observables, view)
         components = self._components(problem, measured)
         record = self._record(checkpoint.count, accepted, measured, components, seconds)
-        record = replace(record, more={**record.more, **columns})
+        record = replace(record, more={**record.more, **columns}, **_error_columns(errors))
         step = Step(record, [], [], measured, view.state.at.displacement, None, [], after, accepted.effort)
         is_level = any(np.isclose(accepted.load_factor, level) for level in self._levels)
         if accepted.phase == "tied" or not is_level:
@@ -205,7 +214,9 @@ class Observer:
             checkpoint=replace(step.checkpoint, onsets=onsets),
         )
 
-    def _measure(self, accepted: Accepted, problem: Problem, checkpoint: Checkpoint, path: Path) -> Measurement:
+    def _measure(
+        self, accepted: Accepted, problem: Problem, checkpoint: Checkpoint, path: Path, judged: Sequence[Check]
+    ) -> Measurement:
         state, proximal = _state(accepted), accepted.minimum.proximal
         return measure(
             self._setup,
@@ -215,6 +226,7 @@ class Observer:
             proximal_force=-proximal.gradient(state.displacement, problem.mass),
             before=checkpoint.work.get(accepted.phase),
             path=path,
+            judged=judged,
         )
 
     def _components(self, problem: Problem, measured: Measurement) -> CellComponents:
@@ -228,15 +240,18 @@ class Observer:
         self, number: int, accepted: Accepted, measured: Measurement, components: CellComponents, seconds: float
     ) -> StepRecord:
         thickness, facing, gap = self._bodies.thickness, self._setup.facing, measured.gap
-        total, further = facing.weight.sum(), dict(measured.columns)
+        further = dict(measured.columns)
         x, y, *z = measured.plate_force
+        held = facing.between_held(measured.free_bodies)
+        mean, largest = mean_and_largest(facing, gap, held)
+        free_mean, free_largest = mean_and_largest(facing, gap, ~held)
         return StepRecord(
             step=number,
             phase="tied" if accepted.phase == "tied" else "released",
             load_factor=accepted.load_factor,
             plate_displacement=accepted.load_factor * float(np.linalg.norm(self._setup.prescribed_displacement)),
-            largest_gap=float(gap.max(initial=0.0)),
-            mean_gap=float(facing.weight @ gap / total) if total else 0.0,
+            largest_gap=largest,
+            mean_gap=mean,
             smallest_gap=float(gap.min(initial=0.0)),
             parted_pairs=int(parted_pairs(facing, gap, thickness).sum()),
             opened_share=opened_share(facing, gap, thickness),
@@ -254,8 +269,15 @@ class Observer:
             bonded_share=further.pop("bonded_share", 0.0),
             dissipation=measured.dissipation,
             plate_force_z=float(z[0]) if z else 0.0,
+            free_largest_gap=free_largest,
+            free_mean_gap=free_mean,
             more=further,
         )
+
+
+def _error_columns(errors: Errors) -> dict[str, float]:
+    """Return the columns of estimated errors, by name."""
+    return {f"{name}_error": getattr(errors, name) for name in ERROR_NAMES}
 
 
 def _state(accepted: Accepted) -> State:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
+from math import isfinite
 from time import perf_counter
 
 import numpy as np
@@ -19,6 +20,8 @@ from ngcell.build.checkpoint import Checkpoint
 from ngcell.build.discretisation import discretise
 from ngcell.build.observation import Observer, Step
 from ngcell.build.options import Options
+from ngcell.build.refinement import Refined, Refinement
+from ngcell.build.stages import Stage, stages_of
 from ngcell.clock import Clock
 from ngcell.contact.cohesion.bonds import bond_walls
 from ngcell.contact.methods.terms import CohesionTerm, ContactTerm
@@ -27,6 +30,7 @@ from ngcell.contact.surface.find import find_surface
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.symbolic import fused
 from ngcell.mechanics.term import Configuration, Term
+from ngcell.mechanics.transfer import transferred
 from ngcell.problem.problem import Problem
 from ngcell.problem.reports import memory
 from ngcell.problem.tie import tie_walls
@@ -70,6 +74,13 @@ class Simulation:
         What is measured besides what every run measures.
     strategy : Strategy, optional
         How the load path is followed, in place of what the scene says.
+    stage : Stage, optional
+        The mesh; by default that of the load path, from which steps go on to finer ones.
+
+    Attributes
+    ----------
+    refinement : Refinement
+        The meshes that steps are reported on.
     """
 
     def __init__(
@@ -81,8 +92,18 @@ class Simulation:
         terms: Sequence[OwnTerm] = (),
         observables: Sequence[Observable] = (),
         strategy: Strategy | None = None,
+        stage: Stage | None = None,
     ) -> None:
         self.clock, self.options = clock or Clock(), options or Options()
+        stages = stages_of(scene) if stage is None else (stage,)
+
+        def build(finer: Stage) -> Simulation:
+            return Simulation(
+                scene, self.clock, options=self.options, terms=terms, observables=observables, stage=finer
+            )
+
+        self.refinement = Refinement(self, stages, build, scene.accuracy)
+        self._accuracy, scene = scene.accuracy, stages[0].scene
         self._case, self.levels, self._strategy = scene, scene.level_factors, strategy
         self._budget = Budget(self.options.solver.most_iterations)
         with self.clock.phase("meshing"):
@@ -196,7 +217,10 @@ class Simulation:
         # Contact is as stiff as the softer body of a pair; what the proximal term has to outweigh at first is the
         # stiffest.
         first = options.first_overlapping if self._overlaps_at_rest else options.first * stiffest / softest
-        return Continuation(softest / self.bodies.length**2, replace(options, first=first))
+        last = options.last
+        if isfinite(self._accuracy):
+            last = max(last, self.options.solver.proximal_share * self._accuracy)
+        return Continuation(softest / self.bodies.length**2, replace(options, first=first, last=last))
 
     @property
     def _moduli(self) -> tuple[float, float]:
@@ -230,21 +254,48 @@ class Simulation:
         """
         checkpoint, started = checkpoint or self.start, perf_counter()
         for accepted in self.follow(checkpoint):
+            refined = self.refinement.refine(accepted, checkpoint.levels.get(accepted.phase, 0))
             with self.clock.phase("measuring"):
-                problem = self.tied_problems[-1] if accepted.phase == "tied" else self.problem
-                tied = self._released_from(accepted, checkpoint)
-                step = self._observer.step(accepted, problem, checkpoint, perf_counter() - started, tied=tied)
-                step = replace(step, checkpoint=replace(step.checkpoint, memory=self._memory(accepted)))
-                checkpoint = step.checkpoint
+                tied = self._released_from(refined, checkpoint)
+                step = refined.simulation.observed(refined, checkpoint, perf_counter() - started, tied)
+                after = step.checkpoint
+                followed = {**checkpoint.displacement, accepted.phase: accepted.minimum.state.displacement}
+                checkpoint = replace(after, displacement=followed, memory=self._memory(accepted))
+                step = replace(step, checkpoint=checkpoint)
             yield step
             started = perf_counter()
 
-    def _released_from(self, accepted: Accepted, checkpoint: Checkpoint) -> Configuration | None:
-        """Return the tied state at the load of a released step, if that was the step before."""
-        tied = checkpoint.displacement.get("tied")
-        if accepted.phase == "tied" or tied is None or checkpoint.work["tied"].load_factor != accepted.load_factor:
+    def observed(
+        self, refined: Refined, checkpoint: Checkpoint, seconds: float, tied: Configuration | None = None
+    ) -> Step:
+        """Return what is reported of a step on this mesh that follows a checkpoint, and a tied state at its load."""
+        accepted, level = refined.accepted, refined.level
+        is_judged = accepted.phase != "tied" and isfinite(self._accuracy)
+        return self._observer.step(
+            accepted,
+            self.problem_of(accepted.phase),
+            checkpoint.on_level(accepted.phase, level),
+            seconds,
+            tied=tied,
+            errors=refined.errors,
+            accuracy=self._accuracy if is_judged else None,
+        )
+
+    def problem_of(self, phase: str) -> Problem:
+        """Return the problem that steps of a phase solve."""
+        return self.tied_problems[-1] if phase == "tied" else self.problem
+
+    def renew_budget(self) -> None:
+        """Give the minimisers of this mesh all of their iterations."""
+        self._budget.renew()
+
+    def _released_from(self, refined: Refined, checkpoint: Checkpoint) -> Configuration | None:
+        """Return the tied state at the load of a released step on its mesh, if that was the step before."""
+        tied, load, space = checkpoint.reported.get("tied"), refined.accepted.load_factor, refined.simulation.space
+        if refined.accepted.phase == "tied" or tied is None or checkpoint.work["tied"].load_factor != load:
             return None
-        return self.tied_problems[-1].configuration(tied)
+        coarse = self.refinement.level(checkpoint.levels["tied"]).space
+        return space.configuration(transferred(tied, coarse, space))
 
     @property
     def start(self) -> Checkpoint:

@@ -177,6 +177,11 @@ class LumenFluids(Term):
         """Return the work against the pressures for each unit of the share that is filled in [stress * length**2]."""
         return float((self._fill - 1) * (self.pressures(displacement) @ self.area))
 
+    def refine(self, coarse: Term, at: Configuration) -> None:
+        """Take over the pressures."""
+        assert isinstance(coarse, LumenFluids)
+        self.pressure = coarse.pressures(at.displacement)
+
     def update_multipliers(self, at: Configuration, stored: Callable[[], float]) -> tuple[float, float]:
         """Take over the pressures of an equilibrium; return by how much areas were off, as a length [length], and the
         energy of that in the liquids [stress * length**2]."""

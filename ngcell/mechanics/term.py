@@ -218,6 +218,9 @@ class Term(ABC):
     def start_from(self, before: Term, at: Configuration) -> None:
         """Start from what the corresponding term of the continuation stage before knows at its equilibrium."""
 
+    def refine(self, coarse: Term, at: Configuration) -> None:
+        """Take over what the same term on a coarser mesh knows at an equilibrium on that mesh."""
+
     def update_multipliers(self, at: Configuration, stored: Callable[[], float]) -> tuple[float, float]:
         """Update multipliers, or a penalty that is too soft, at an equilibrium whose stored energy `stored` returns.
 
@@ -240,6 +243,11 @@ class Term(ABC):
     def overlap(self, at: Configuration) -> float | None:
         """Return the deepest overlap that the term sees [length]; None where it does not keep bodies apart."""
         return None
+
+    def overlap_work(self, at: Configuration) -> float:
+        """Return forces times overlaps of the term [energy]: by no more than that, rigid contact would change energies.
+        """
+        return 0.0
 
     def stress(self, gradient: Array, element: Index) -> Array | None:
         """Return the part of the Cauchy stress [stress], shape (n, 3, 3), of deformation gradients in elements."""

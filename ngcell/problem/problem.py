@@ -176,6 +176,10 @@ class Problem:
         """Return what the energy holds without its being stored in bodies."""
         return sum(term.unstored(at) for term in self._sum)
 
+    def overlap_work(self, at: Configuration) -> float:
+        """Return forces times overlaps of all terms: by no more than that, rigid contact would change energies."""
+        return sum(term.overlap_work(at) for term in self.terms)
+
     def drives(self, displacement: Array, load_factor: float) -> tuple[Drive, ...]:
         """Return how driven terms take in work, one after the other."""
         at = self.configuration(displacement)
@@ -191,6 +195,11 @@ class Problem:
         """Start from what the problem of the continuation stage before knows at its equilibrium."""
         for mine, theirs in zip(self.terms, before.terms, strict=True):
             mine.start_from(theirs, state.at)
+
+    def refine(self, coarse: Problem, state: State) -> None:
+        """Take over what the problem on a coarser mesh knows at an equilibrium of its own."""
+        for mine, theirs in zip(self.terms, coarse.terms, strict=True):
+            mine.refine(theirs, state.at)
 
     def update_multipliers(self, state: State) -> tuple[float, float]:
         """Let terms update their multipliers at an equilibrium; return the largest length by which conditions were

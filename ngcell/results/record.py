@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import nan
 from typing import Literal
 
 
@@ -26,9 +27,11 @@ class StepRecord:
         Share of the case's full load, in [0, 1].
     plate_displacement : float
         Length of the displacement of the moved plate [length], >= 0; 0 under a load without a plate.
-    largest_gap, mean_gap, smallest_gap : float
-        Normal gap over all facing walls [length], open > 0; the mean is weighted by wall length in the
-        reference state.
+    largest_gap, mean_gap : float
+        Normal gap over the walls between cells that something holds [length], open > 0; the mean is weighted by wall
+        length in the reference state. Where a free cell sits is not determined by equilibrium.
+    smallest_gap : float
+        Smallest normal gap over all facing walls [length]; negative where they overlap.
     parted_pairs : int
         Number of wall pairs that are apart along the whole middle half of the wall.
     opened_share : float
@@ -57,6 +60,11 @@ class StepRecord:
         [stress * length**3]; 0 without cohesion.
     plate_force_z : float
         As the other forces of the moved plate; 0 in a planar scene.
+    free_largest_gap, free_mean_gap : float
+        Gaps of the other walls, those of cells that nothing holds [length]; 0 where all cells are held.
+    energy_error, plate_force_error, contact_force_error, mean_gap_error, largest_gap_error : float
+        Estimated errors of the columns of these names, in their units; that of the plate force is of the vector. NaN
+        where none was estimated.
     more : mapping of str to float
         Further columns, by name: what terms and observables of the scene report.
     """
@@ -84,6 +92,13 @@ class StepRecord:
     bonded_share: float = 0.0
     dissipation: float = 0.0
     plate_force_z: float = 0.0
+    free_largest_gap: float = 0.0
+    free_mean_gap: float = 0.0
+    energy_error: float = nan
+    plate_force_error: float = nan
+    contact_force_error: float = nan
+    mean_gap_error: float = nan
+    largest_gap_error: float = nan
     more: Mapping[str, float] = field(default_factory=dict)
 
 

@@ -9,13 +9,10 @@ from numpy.typing import NDArray
 
 from ngcell.contact.pairing.facing import FacingWalls
 from ngcell.geometry.near import components
-from ngcell.results.measure import Measurement
+from ngcell.results.measure import OPEN, Measurement
 from ngcell.results.record import WallRecord
 
 Array = NDArray[np.float64]
-
-#: A wall counts as open where its gap exceeds this share of the wall's thickness.
-OPEN = 1e-2
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,6 +9,7 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from ngcell.errors import CaseError
+from ngcell.scene.accuracy import DEFAULT_ACCURACY
 from ngcell.scene.entries import (
     NUMBERS,
     check_dimension,
@@ -21,7 +22,7 @@ from ngcell.scene.entries import (
     sequence_of,
 )
 from ngcell.scene.levels import Levels
-from ngcell.scene.mesh import Refinement
+from ngcell.scene.mesh import HIGHEST_ORDER, Refinement
 from ngcell.scene.registry import checked, default_of
 
 #: Two numbers, or three for solids.
@@ -201,8 +202,8 @@ class BodyScene:
         What is held and moved; a body that nothing holds stays as near to where it was as contact allows.
     size : float, optional
         Largest length of an element's edge, > 0; by default half of each body's own thickness.
-    order : int
-        Polynomial order of displacement and geometry, 1 to 4.
+    order : int, optional
+        Polynomial order of displacement and geometry, 1 to 6; by default it follows from the accuracy.
     levels : int or tuple of float
         Number of equal levels, or the load factors in [0, 1] that are reported, in the order of the load path.
     steps : int, optional
@@ -221,6 +222,9 @@ class BodyScene:
         What is measured besides what every run measures.
     title : str
         One line that says what happens.
+    accuracy : float
+        Relative error that energies, forces and gaps of held walls may have, > 0; infinite where no error is to be
+        estimated.
 
     Raises
     ------
@@ -231,7 +235,7 @@ class BodyScene:
     bodies: tuple[Body, ...]
     supports: tuple[BodySupport, ...] = ()
     size: float | None = None
-    order: int = 2
+    order: int | None = None
     levels: int | tuple[float, ...] = 10
     steps: int | None = None
     contact: Any = field(default_factory=lambda: default_of("contact"))
@@ -241,6 +245,7 @@ class BodyScene:
     strategy: Any = None
     observables: tuple[Any, ...] = ()
     title: str = ""
+    accuracy: float = DEFAULT_ACCURACY
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "bodies", sequence_of(self.bodies, Body, "bodies"))
@@ -257,8 +262,10 @@ class BodyScene:
             raise CaseError(f"force on {min(unknown)}: there is no such body; allowed: {names}")
         if self.size is not None and not (is_number(self.size) and self.size > 0):
             raise CaseError(f"size is {self.size!r}; allowed: a finite length > 0")
-        if type(self.order) is not int or not 1 <= self.order <= 4:
-            raise CaseError(f"order is {self.order!r}; allowed: a whole number from 1 to 4")
+        if self.order is not None and (type(self.order) is not int or not 1 <= self.order <= HIGHEST_ORDER):
+            raise CaseError(f"order is {self.order!r}; allowed: a whole number from 1 to {HIGHEST_ORDER}")
+        if not isinstance(self.accuracy, (int, float)) or not self.accuracy > 0:
+            raise CaseError(f"accuracy is {self.accuracy!r}; allowed: a number > 0, or infinity")
         if self.steps is not None and (type(self.steps) is not int or self.steps < 1):
             raise CaseError(f"steps is {self.steps!r}; allowed: a whole number >= 1")
         checked("contact", self.contact, "contact")

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, Field, Strict, ValidationInfo, field_validator
 
+from ngcell.scene.accuracy import DEFAULT_ACCURACY, Accuracy
 from ngcell.scene.choice import OneOf
 from ngcell.scene.expected import Expected
 from ngcell.scene.mesh import MeshChoice
@@ -55,8 +56,11 @@ class Case(BaseModel):
         What walls do to each other.
     cohesion : Cohesion, optional
         What holds walls together; by default nothing does.
+    accuracy : float
+        Relative error that energies, forces and gaps of held walls may have, > 0; the mesh follows from it, and a result
+        whose estimated error is larger is not certified. Infinite where no error is to be estimated.
     mesh : MeshChoice
-        How finely the walls are resolved.
+        How finely the walls are resolved; what is said here is kept.
     observables : tuple of Rotation
         What is measured besides what every run measures; each becomes a column and a field.
     expected : tuple of Expected
@@ -74,6 +78,7 @@ class Case(BaseModel):
     strategy: Strategy = _default("strategy")
     contact: Contact = _default("contact")
     cohesion: Cohesion | None = None
+    accuracy: Accuracy = DEFAULT_ACCURACY
     mesh: MeshChoice = MeshChoice()
     observables: Observables = ()
     expected: Annotated[tuple[Expected, ...], Strict(False)] = ()

@@ -11,6 +11,7 @@ from pydantic import BaseModel, Field, Strict, ValidationInfo, field_validator
 
 from ngcell.scene.bodies import BodySupport, Pressure, Traction
 from ngcell.scene.case import Cohesion, Contact, Observables, Strategy
+from ngcell.scene.accuracy import DEFAULT_ACCURACY, Accuracy
 from ngcell.scene.choice import OneOf
 from ngcell.scene.expected import ROUND, SUPPORTED, BodyExpected
 from ngcell.scene.levels import Levels, level_factors
@@ -128,8 +129,11 @@ class BodyCase(BaseModel):
         What holds walls together that touch at rest; by default nothing does.
     strategy : Sddp, SingleStep or LoadStepping, optional
         How the load path is followed; by default by single steps, and with cohesion by load stepping.
+    accuracy : float
+        Relative error that energies, forces and gaps of held walls may have, > 0; the order of the elements follows from
+        it, and a result whose estimated error is larger is not certified. Infinite where no error is to be estimated.
     mesh : BodyMeshChoice
-        How finely the bodies are resolved.
+        How finely the bodies are resolved; what is said here is kept.
     observables : tuple of Rotation
         What is measured besides what every run measures; each becomes a column and a field.
     expected : tuple of BodyExpected
@@ -148,6 +152,7 @@ class BodyCase(BaseModel):
     contact: Contact = Field(default_factory=lambda: default_of("contact"))
     cohesion: Cohesion | None = None
     strategy: Strategy | None = None
+    accuracy: Accuracy = DEFAULT_ACCURACY
     mesh: BodyMeshChoice = BodyMeshChoice()
     observables: Observables = ()
     expected: Annotated[tuple[BodyExpected, ...], Strict(False)] = ()

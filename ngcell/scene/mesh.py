@@ -12,6 +12,10 @@ from ngcell.scene.section import SECTION, PlanarVector, PositiveCount, PositiveN
 
 #: A refinement with more elements across than this is a typing error.
 MOST_ACROSS = 1000
+#: The highest polynomial order.
+HIGHEST_ORDER = 6
+
+Order = Annotated[int, Field(ge=1, le=HIGHEST_ORDER)]
 
 
 class MeshChoice(BaseModel):
@@ -19,22 +23,27 @@ class MeshChoice(BaseModel):
 
     Parameters
     ----------
-    order : int
-        Polynomial order of the displacement, 1 to 4. Order 1 locks in thin walls.
+    order : int, optional
+        Polynomial order of the displacement, 1 to 6; by default it follows from the accuracy that the case asks for, as
+        the grading does. Order 1 locks in thin walls.
     size : float, optional
         Length of an element's edge along the wall, > 0; by default derived from the cell's side.
     layers : int, optional
         Elements through the wall, >= 1; by default derived from wall and size.
     slices : int, optional
         Elements along the height of prisms, >= 1; by default derived from height and size.
+    grading : int, optional
+        How often elements shrink towards the corners of lumens, where stresses are singular, 0 to 4; by default 0
+        where an order is given.
     """
 
     model_config = SECTION
 
-    order: Annotated[int, Field(ge=1, le=4)] = 3
+    order: Order | None = None
     size: PositiveNumber | None = None
     layers: PositiveCount | None = None
     slices: PositiveCount | None = None
+    grading: Annotated[int, Field(ge=0, le=4)] | None = None
 
     def check_scope(self, scene: dict[str, Any]) -> None:
         """Refuse slices of planar cells."""
@@ -76,8 +85,9 @@ class BodyMeshChoice(BaseModel):
 
     Parameters
     ----------
-    order : int
-        Polynomial order of displacement and geometry, 1 to 4.
+    order : int, optional
+        Polynomial order of displacement and geometry, 1 to 6; by default it follows from the accuracy that the case
+        asks for.
     size : float, optional
         Largest length of an element's edge, > 0; by default half of each body's own thickness.
     refine : tuple of Refinement
@@ -86,6 +96,6 @@ class BodyMeshChoice(BaseModel):
 
     model_config = SECTION
 
-    order: Annotated[int, Field(ge=1, le=4)] = 2
+    order: Order | None = None
     size: PositiveNumber | None = None
     refine: Annotated[tuple[Refinement, ...], Strict(False)] = ()

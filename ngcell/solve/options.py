@@ -205,6 +205,10 @@ class SolverOptions:
     direct_bulk, bulk_stage : float
         Ratio of bulk to shear modulus up to which a law is followed as it is, and the factor between the stages beyond
         it: there Newton's method crawls along the curved valley of constant volume.
+    refined : float
+        Decrement at which a minimisation on a finer mesh ends, as a share of the energy.
+    proximal_share : float
+        Weight at the end of the continuation over the accuracy that is asked for, where it is not smaller by itself.
     most_iterations : int
         Iterations of a step, all attempts together; the shipped cases take at most 300.
     """
@@ -215,4 +219,6 @@ class SolverOptions:
     stability: StabilityOptions = field(default_factory=StabilityOptions)
     direct_bulk: float = 1e4
     bulk_stage: float = 30.0
+    refined: float = 1e-13
+    proximal_share: float = 1e-4
     most_iterations: int = 5000

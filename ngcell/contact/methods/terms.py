@@ -116,11 +116,20 @@ class ContactTerm(Term):
         """Return the deepest overlap at the points of the method [length], >= 0."""
         return max(0.0, -float(self.found(at).kinematics.gaps(at.positions).min(initial=0.0)))
 
+    def overlap_work(self, at: Configuration) -> float:
+        """Return contact forces times gaps, without their sign."""
+        found = self.found(at)
+        return abs(float(found.contact_forces(at.positions) @ found.kinematics.gaps(at.positions)))
+
+    @property
+    def has_multipliers(self) -> bool:
+        """Whether pressures are unknowns of their own, and not those of overlaps."""
+        return not hasattr(self.method, "raised")
+
     def checks(self, at: Configuration, scales: Scales) -> tuple[Check, ...]:
         """Return tension, complementarity and the method's own conditions."""
-        found = self.found(at)
+        found, work = self.found(at), self.overlap_work(at)
         force = found.contact_forces(at.positions)
-        work = abs(float(force @ found.kinematics.gaps(at.positions)))
         units = {"weighted_overlap": scales.thickness, "weighted_complementarity": scales.at_stake}
         return (
             Check("tension", max(0.0, -float(force.min(initial=0.0))), TENSION, _MEANING["tension"]),

@@ -9,6 +9,7 @@ has slid, so a parted pair keeps a gap however far it is apart.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +24,8 @@ Index = NDArray[np.int64]
 
 #: Two facets touch face to face if their normals differ from opposite by less than about 25 degrees.
 _OPPOSITE = -0.9
+#: Share of the middle half of a wall, at its ends, whose points do not count: round-off would decide where they lie.
+_BORDER = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +60,10 @@ class FacingWalls:
         """Return the gap of each point [length], open > 0, at the walls' deformed nodes."""
         point = (walls.quadrature_values @ nodes)[self.facet, self.quadrature_point]
         return nearest_on_body(walls, nodes, point, self.other)
+
+    def between_held(self, free_bodies: Sequence[int]) -> NDArray[np.bool_]:
+        """Return which points are on walls between bodies that something holds, shape (points,)."""
+        return np.asarray(~np.isin(self.pairs, free_bodies).any(1)[self.pair])
 
 
 def find_facing(walls: Surface, tolerance: float, reach: float = 0.0) -> FacingWalls:
@@ -122,5 +129,5 @@ def _in_middle_half(wall: Index, point: Array) -> NDArray[np.bool_]:
         away = point[mine] - point[mine].mean(0)
         along = away @ np.linalg.svd(away, full_matrices=False)[2][0]
         low, high = along.min(), along.max()
-        inside[mine] = np.abs(along - (low + high) / 2) <= (high - low) / 4
+        inside[mine] = np.abs(along - (low + high) / 2) < (1 - _BORDER) * (high - low) / 4
     return inside

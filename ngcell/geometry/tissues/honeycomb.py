@@ -12,7 +12,7 @@ from pydantic import BaseModel, ValidationInfo, field_validator
 from ngcell.geometry.bodies import FRAME, LOWER_PLATE, UPPER_PLATE, BodyMesh
 from ngcell.geometry.lattice import Lattice, hexagonal_lattice
 from ngcell.geometry.prisms import prism_mesh
-from ngcell.geometry.rings import ring_mesh, ring_section
+from ngcell.geometry.rings import corner_distances, ring_mesh, ring_section
 from ngcell.geometry.tissues.protocol import Lumens, TissueDensity
 from ngcell.scene.scope import refuse
 from ngcell.scene.section import SECTION, NonNegativeNumber, PositiveCount, PositiveNumber
@@ -82,10 +82,11 @@ class Tissue(BaseModel):
         return hexagonal_lattice(self.rows, self.cols, side=self.side, pointy=self.orientation == "pointy")
 
     def density(self, choice: TissueDensity) -> tuple[int, int]:
-        """Return the number of elements along a side and through the wall."""
+        """Return the number of elements along a side, between graded ones, and through the wall, before grading."""
         size = choice.size or min(self.side / _FEWEST_EDGES, _SLENDERNESS * self.wall)
         layers = choice.layers or max(1, round(self.wall / size))
-        return max(1, ceil(self.side / size - 1e-9)), layers
+        ends = corner_distances(1.0, self.wall / self.side, min(choice.grading or 0, 1))
+        return max(1, ceil((1 - 2 * sum(ends)) * self.side / size - 1e-9)), layers
 
     def mesh(
         self, supported: str | None, choice: TissueDensity, lumens: Lumens | None = None, *, filled: bool = False
@@ -97,6 +98,7 @@ class Tissue(BaseModel):
             "radius": self.corner_radius,
             "edges": edges,
             "layers": through,
+            "grading": choice.grading or 0,
             "supports": supported_walls(lattice, supported),
             "filled": filled,
         }

@@ -29,6 +29,10 @@ class TissueDensity(Protocol):
         """Elements through the wall."""
 
     @property
+    def grading(self) -> int | None:
+        """How often elements are graded towards corners, where stresses are singular."""
+
+    @property
     def slices(self) -> int | None:
         """Elements along the height of prisms."""
 

@@ -1,0 +1,196 @@
+"""From a step on the mesh of the load path to what is reported: finer meshes, one after the other, until the estimated
+error is what the scene asks for.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, cast
+
+from ngcell.build.stages import Stage, singular_exponent
+from ngcell.contact.methods.terms import ContactTerm
+from ngcell.errors import CaseError
+from ngcell.mechanics.term import Array
+from ngcell.mechanics.transfer import transferred
+from ngcell.problem.state import State
+from ngcell.results.error import Errors, Numbers, estimate
+from ngcell.results.measure import numbers_of
+from ngcell.solve.effort import OutOfIterations
+from ngcell.solve.minimise import Minimiser
+from ngcell.solve.proximal import ProximalTerm
+from ngcell.solve.refined import settled
+from ngcell.solve.released import Released
+from ngcell.solve.step import Accepted, spent
+
+if TYPE_CHECKING:
+    from ngcell.build.simulation import Simulation
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, eq=False)
+class Refined:
+    """A step on one mesh.
+
+    Attributes
+    ----------
+    level : int
+        Number of the mesh, 0 for that of the load path.
+    simulation : Simulation
+        The scene on this mesh.
+    accepted : Accepted
+        The step, with the effort of all meshes.
+    errors : Errors
+        Its estimated errors.
+    """
+
+    level: int
+    simulation: Simulation
+    accepted: Accepted
+    errors: Errors
+
+
+class Refinement:
+    """The meshes of a scene, each built when it is needed.
+
+    Parameters
+    ----------
+    base : Simulation
+        The scene on the mesh of the load path.
+    stages : sequence of Stage
+        All meshes, the coarsest first.
+    build : function
+        Makes the scene on the mesh of a stage.
+    accuracy : float
+        Relative error that is asked for.
+    """
+
+    def __init__(
+        self, base: Simulation, stages: Sequence[Stage], build: Callable[[Stage], Simulation], accuracy: float
+    ) -> None:
+        self._stages, self._build, self._accuracy = list(stages), build, accuracy
+        self._levels = [_Level(base)]
+
+    @property
+    def estimates(self) -> bool:
+        """Whether errors are estimated."""
+        return len(self._stages) > 1
+
+    def level(self, number: int) -> Simulation:
+        """Return the scene on one of the meshes."""
+        found = self._level(number)
+        assert found is not None
+        return found.simulation
+
+    def refine(self, accepted: Accepted, at_least: int = 0) -> Refined:
+        """Return a step with an error within the accuracy, or with as small a one as there is.
+
+        `at_least` is the number of the mesh that it is to be taken to whatever the error.
+        """
+        last = Refined(0, self._levels[0].simulation, accepted, Errors())
+        found = [self._numbers(last)]
+        while self.estimates:
+            finer = self._next(last)
+            if finer is None:
+                return last
+            found.append(self._numbers(finer))
+            remains = self._stages[finer.level].remains(self._stages[last.level], self._exponent)
+            is_reported = self._stages[finer.level].is_reported
+            errors = estimate(found, remains, of_last=is_reported)
+            _log.info("mesh %d: energy %.6e, estimated error %.1e", finer.level, found[-1].energy, errors.relative)
+            if not is_reported:
+                effort = finer.accepted.effort
+                return replace(last, accepted=replace(last.accepted, effort=effort), errors=errors)
+            last = replace(finer, errors=errors)
+            # Tied states are where walls are released from: their error is told, and not judged.
+            if last.accepted.phase == "tied" or (errors.relative <= self._accuracy and last.level >= at_least):
+                return last
+        return last
+
+    @cached_property
+    def _exponent(self) -> float:
+        return singular_exponent(self._levels[0].simulation.space)
+
+    def _level(self, number: int) -> _Level | None:
+        """Return a mesh; None where there are no more, or where the machine has no room for it."""
+        if number >= len(self._stages):
+            return None
+        if number == len(self._levels):
+            try:
+                self._levels.append(_Level(self._build(self._stages[number])))
+            except CaseError as error:
+                _log.info("no finer mesh: %s", error)
+                del self._stages[number:]
+                return None
+        return self._levels[number]
+
+    def _next(self, coarse: Refined) -> Refined | None:
+        """Return a step on the next mesh; None where there is none, or where it finds no equilibrium."""
+        level = self._level(coarse.level + 1)
+        if level is None:
+            return None
+        return level.settled(coarse)
+
+    def _numbers(self, one: Refined) -> Numbers:
+        simulation, minimum = one.simulation, one.accepted.minimum
+        with simulation.clock.phase("measuring"):
+            problem = simulation.problem_of(one.accepted.phase)
+            return numbers_of(simulation.setup, problem, cast(State, minimum.state), minimum.proximal)
+
+
+class _Level:
+    """The scene on one mesh, with the minimisers that take steps over from the mesh before."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self.simulation = simulation
+
+    @cached_property
+    def _released(self) -> Released:
+        return self.simulation.released
+
+    @cached_property
+    def _tied(self) -> tuple[Minimiser, ...]:
+        return self.simulation.tied
+
+    def settled(self, coarse: Refined) -> Refined | None:
+        """Return a step on this mesh that was found on the one before; None where it finds no equilibrium."""
+        mine, accepted = self.simulation, coarse.accepted
+        load, is_tied = accepted.load_factor, accepted.phase == "tied"
+        before = coarse.simulation.problem_of(accepted.phase)
+
+        def taken(displacement: Array) -> Array:
+            whole = before.expand(displacement)
+            return transferred(whole, coarse.simulation.space, mine.space)
+
+        proximal = accepted.minimum.proximal
+        start = mine.motion.imposed(taken(accepted.minimum.state.displacement), load)
+        held = ProximalTerm(proximal.weight, taken(proximal.centre) if proximal.weight else start)
+        minimisers = self._tied[-1:] if is_tied else self._minimisers
+        effort, released = spent(minimisers), self._released
+        if is_tied:
+            minimisers[-1].problem.apply(load)
+        else:
+            released.apply(load)
+            softer = released.minimisers[-1 - len(minimisers)].problem
+            minimisers[0].problem.start_from(softer, softer.at(start))
+        minimisers[-1].problem.refine(before, cast(State, accepted.minimum.state))
+        mine.renew_budget()
+        try:
+            options = mine.options.solver
+            minimum = settled(minimisers, start, held, length=released.longest_step, options=options)
+        except OutOfIterations:
+            return None
+        if not minimum.is_found:
+            _log.info("mesh %d: %s", coarse.level + 1, minimum.ending.value)
+            return None
+        effort = accepted.effort + (spent(minimisers) - effort)
+        return Refined(coarse.level + 1, mine, replace(accepted, minimum=minimum, effort=effort), Errors())
+
+    @property
+    def _minimisers(self) -> tuple[Minimiser, ...]:
+        """Minimisers of the released walls: a method with multipliers takes its first pressures from a penalty."""
+        has_multipliers = any(isinstance(t, ContactTerm) and t.has_multipliers for t in self.simulation.problem.terms)
+        return self._released.minimisers[-2:] if has_multipliers else self._released.minimisers[-1:]

@@ -1,0 +1,123 @@
+"""The meshes of a scene: from the one on which the load path is followed to finer ones, on which its steps end.
+
+Which equilibrium walls find is settled on a coarse mesh, where most of the iterations are; the state then goes on to
+finer ones, each of which knows the functions of the one before. The error of what is reported follows from what the
+last refinement has changed; see `ngcell.results.error`. Towards the corners of lumens, where stresses are singular,
+elements are graded as their order rises, which is what lets errors fall exponentially in the unknowns (Schwab, p- and
+hp-Finite Element Methods, 1998). A mesh that a case gives is kept: one order more tells its error, and nothing else.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import isinf
+
+import numpy as np
+from scipy.optimize import brentq
+
+from ngcell.geometry.rings import GRADE
+from ngcell.mechanics.space import DisplacementSpace
+from ngcell.mechanics.term import Array
+from ngcell.scene import AnyCase, BodyScene, Case
+from ngcell.scene.mesh import HIGHEST_ORDER
+
+#: Order and grading of the meshes of a tissue, one after the other. The fourth order without a second grade, whose
+#: error is 1 to 2 % in a tissue, is left out where a higher accuracy is asked for.
+_TISSUE = ((2, 1), (3, 1), (4, 1), (4, 2), (5, 2), (6, 3))
+_COARSE, _OF_COARSE = (4, 1), 0.02
+#: Order where no error is to be estimated: of a tissue, and of user-defined bodies.
+PLAIN_ORDER = {True: 3, False: 2}
+#: Exponents of the displacement's growth with the distance from the end of a contact, and from a corner that is held on
+#: one side (Williams, J. Appl. Mech. 19, 1952); angles in radians from which on an outline is re-entrant, and up to
+#: which it has a corner.
+_SMOOTH, _HELD_CORNER, _REENTRANT, _CORNER = 1.5, 0.71, np.radians(200), np.radians(150)
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """One mesh of a scene.
+
+    Attributes
+    ----------
+    scene : Case, BodyCase or BodyScene
+        The scene, with order and grading given.
+    order, grading : int
+        Order of its elements, and how often they are graded towards corners.
+    is_reported : bool
+        Whether its numbers may be reported; else they serve an estimate only.
+    """
+
+    scene: AnyCase | BodyScene
+    order: int
+    grading: int
+    is_reported: bool = True
+
+    def remains(self, before: Stage, exponent: float) -> float:
+        """Return which share of the error of a coarser stage is left, if a singularity of this exponent rules it.
+
+        Energies err by h**(2 exponent) in the size of the elements at the singularity, and by p**(-4 exponent) in
+        their order (Babuska and Suri, SIAM Rev. 36, 1994, doi:10.1137/1036141).
+        """
+        in_order = (before.order / self.order) ** (4 * exponent)
+        return float(in_order * GRADE ** (2 * exponent * (self.grading - before.grading)))
+
+
+def stages_of(scene: AnyCase | BodyScene) -> tuple[Stage, ...]:
+    """Return the meshes of a scene, the coarsest first."""
+    mesh = None if isinstance(scene, BodyScene) else scene.mesh
+    given = scene.order if isinstance(scene, BodyScene) else scene.mesh.order
+    grading, is_tissue = getattr(mesh, "grading", None), isinstance(scene, Case)
+    if isinf(scene.accuracy):
+        return (_stage(scene, given or PLAIN_ORDER[is_tissue], grading or 0),)
+    if given is not None:
+        return _stage(scene, given, grading or 0), _stage(scene, given + 1, grading or 0, is_reported=False)
+    if is_tissue and grading is None:
+        chosen = [step for step in _TISSUE if step != _COARSE or scene.accuracy > _OF_COARSE]
+    else:
+        chosen = [(order, grading or 0) for order in range(2, HIGHEST_ORDER + 1)]
+    return tuple(_stage(scene, *step) for step in chosen)
+
+
+def _stage(scene: AnyCase | BodyScene, order: int, grading: int, *, is_reported: bool = True) -> Stage:
+    meshed: AnyCase | BodyScene
+    if isinstance(scene, BodyScene):
+        meshed = replace(scene, order=min(order, HIGHEST_ORDER)) if order <= HIGHEST_ORDER else scene
+    else:
+        chosen = {"order": order, "grading": grading} if isinstance(scene, Case) else {"order": order}
+        meshed = scene.model_copy(update={"mesh": scene.mesh.model_copy(update=chosen)})
+    return Stage(meshed, order, grading, is_reported)
+
+
+def singular_exponent(space: DisplacementSpace) -> float:
+    """Return the smallest exponent with which the displacement grows from a corner of a body, or the end of a contact.
+
+    At a re-entrant corner of angle w, free on both sides, it is the root of ``sin(x w) + x sin(w) = 0`` (Williams 1952).
+    Edges of solids count as re-entrant right angles.
+    """
+    if space.dimension == 3:
+        return _free_exponent(1.5 * np.pi)
+    angles = _angles_at_outlines(space)
+    if angles.max(initial=0.0) > _REENTRANT:
+        return _free_exponent(float(angles.max()))
+    return _HELD_CORNER if angles.min(initial=np.pi) < _CORNER else _SMOOTH
+
+
+def _free_exponent(angle: float) -> float:
+    return float(brentq(lambda x: np.sin(x * angle) + x * np.sin(angle), 0.5 - 1e-9, 1 - 1e-9))
+
+
+def _angles_at_outlines(space: DisplacementSpace) -> Array:
+    """Return the angle of the body at each vertex of outlines in the plane [radian]."""
+    mesh = space.bodies.mesh
+    points = np.array([vertex.point for vertex in mesh.vertices])
+    angles = np.zeros(len(points))
+    for element in mesh.Elements():
+        numbers = np.array([vertex.nr for vertex in element.vertices])
+        place = points[numbers]
+        ahead, behind = np.roll(place, -1, axis=0) - place, np.roll(place, 1, axis=0) - place
+        turn = np.arctan2(ahead[:, 0] * behind[:, 1] - ahead[:, 1] * behind[:, 0], (ahead * behind).sum(1))
+        np.add.at(angles, numbers, np.abs(turn))
+    on_outline = np.zeros(len(points), dtype=bool)
+    for edge in mesh.Boundaries(".*").Elements():
+        on_outline[[vertex.nr for vertex in edge.vertices]] = True
+    return angles[on_outline]

@@ -1,0 +1,64 @@
+"""From an equilibrium on one mesh to the one beside it on a finer mesh: no path is followed, walls are settled already.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ngcell.solve.continuation import until_conditions_hold
+from ngcell.solve.minimise import Minimiser
+from ngcell.solve.minimum import Minimum
+from ngcell.solve.options import SolverOptions
+from ngcell.solve.proximal import ProximalTerm
+from ngcell.solve.stability import leave_saddle
+
+Array = NDArray[np.float64]
+
+
+def settled(
+    minimisers: Sequence[Minimiser],
+    start: Array,
+    proximal: ProximalTerm,
+    *,
+    length: float,
+    options: SolverOptions,
+) -> Minimum:
+    """Return the minimum near a state that was found on a coarser mesh.
+
+    Parameters
+    ----------
+    minimisers : sequence of Minimiser
+        Of the finer mesh: the last is of the problem that is meant, and those before it lead to its multipliers.
+    start : array of float, shape (unknowns,)
+        The state, with prescribed values in place [length].
+    proximal : ProximalTerm
+        What held floating bodies, and holds them still.
+    length : float
+        The length beside which missed conditions are judged [length].
+    options : SolverOptions
+        The solver's own numbers.
+    """
+    before: Minimiser | None = None
+    for minimiser in minimisers:
+        if before is not None:
+            minimiser.problem.start_from(before.problem, minimum.state)
+        enough = options.refined * abs(minimiser.problem.at(start).energy)
+        minimum = minimiser.minimise(start, proximal, enough)
+        if not minimum.is_found:
+            return minimum
+        start, before = minimum.state.displacement, minimiser
+    last = minimisers[-1]
+    return until_conditions_hold(last, minimum, length, options.continuation)
+
+
+def stable(
+    minimiser: Minimiser, minimum: Minimum, *, scale: float, length: float, options: SolverOptions
+) -> Minimum:
+    """Return a minimum below a saddle, with contact conditions met; what is no saddle stays as it is."""
+    left = leave_saddle(minimiser, minimum, options.stability, scale=scale, length=length)
+    if left is minimum or not left.is_found:
+        return left
+    return until_conditions_hold(minimiser, left, length, options.continuation)
