@@ -195,9 +195,11 @@ def _summary(
         "meaning_of_checks": {name: check.meaning for name, check in checks.items()},
         "expected": [finding.table() for step in steps for finding in step.findings],
         "failed_steps": {step.record.step: step.certificate.failures for step in steps if not step.record.certified},
+        "accuracy": simulation.accuracy,
         "accepted_steps": len(steps),
         "bodies": simulation.bodies.body_count,
         "unknowns": simulation.space.unknowns,
+        "meshes": simulation.refinement.table(),
         "facing_pairs": len(simulation.setup.facing.pairs),
         "held_by_nothing": last.free_bodies if last else (),
         "changes_of_branch": {

@@ -78,7 +78,7 @@ def _tissue(case: Case) -> Discretisation:
     tissue, lumen, load, wall = case.tissue, case.lumen, case.load, case.material
     regions, solid = (None, None) if lumen is None else (lumen.regions(tissue), lumen.solid)
     bodies = tissue.mesh(load.supported, case.mesh, regions, filled=solid is not None)
-    space = DisplacementSpace(bodies, case.mesh.order)
+    space = DisplacementSpace(bodies, case.mesh.plain_order)
     motion, tractions = load.motion(space), load.tractions()
     directions = None if wall.fibres is None else _wall_directions(bodies)
     terms: list[Term] = [BodyEnergy(space, (wall,) * bodies.body_count, directions)]
@@ -124,7 +124,7 @@ def _user_defined(case: BodyCase) -> BodyScene:
 def _bodies(scene: BodyScene) -> Discretisation:
     check_bodies_fit(scene)
     bodies = _mesh(scene)
-    space = DisplacementSpace(bodies, scene.order)
+    space = DisplacementSpace(bodies, scene.plain_order)
     given = [support.of_bodies(space.dimension) for support in scene.supports]
     supports = [
         Support(support.boundary, np.array(support.gradient), np.array(support.translation), support.components)
@@ -152,7 +152,7 @@ def _mesh(scene: BodyScene) -> BodyMesh:
         [body.shape for body in scene.bodies],
         [body.name for body in scene.bodies],
         size=scene.size,
-        order=scene.order,
+        order=scene.plain_order,
         untouched=untouched,
         refinements=scene.refinements,
     )

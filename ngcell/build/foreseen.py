@@ -80,7 +80,7 @@ def check_tissue_fits(case: Case) -> None:
     if case.tissue.height is not None:
         dimension, slices = 3, case.mesh.slices or max(1.0, case.tissue.height / case.tissue.side * along)
     elements = 6.0 * case.tissue.cell_count * along * through * slices
-    _check_fits(elements, case.mesh.order, dimension, 1.0, "mesh.size, mesh.layers, mesh.slices")
+    _check_fits(elements, case.mesh.plain_order, dimension, 1.0, "mesh.size, mesh.layers, mesh.slices")
 
 
 def check_bodies_fit(scene: BodyScene) -> None:
@@ -99,7 +99,7 @@ def check_bodies_fit(scene: BodyScene) -> None:
         elements += _count(volume, size, dimension)
     for circle in scene.refinements:
         elements += _count(min(total, pi * circle.within**2), circle.size, dimension)
-    _check_fits(elements, scene.order, dimension, _SIMPLEX_SHARE[dimension], "mesh.size, sizes of bodies")
+    _check_fits(elements, scene.plain_order, dimension, _SIMPLEX_SHARE[dimension], "mesh.size, sizes of bodies")
 
 
 def _parts(name: str, shape: Any, size: float | None) -> Iterator[tuple[float, float]]:

@@ -48,6 +48,21 @@ Array = NDArray[np.float64]
 _ROUND_OFF = 1e-10
 
 
+@dataclass(frozen=True)
+class Mesh:
+    """How finely bodies are resolved.
+
+    Attributes
+    ----------
+    order, grading, unknowns : int
+        Order of the elements, how often they are graded towards corners, and number of displacement unknowns.
+    """
+
+    order: int
+    grading: int
+    unknowns: int
+
+
 @dataclass(frozen=True, eq=False)
 class Step:
     """An accepted step with everything that is reported of it.
@@ -72,6 +87,8 @@ class Step:
         Where the load path stands after it.
     effort : Effort
         What it took.
+    mesh : Mesh
+        The mesh that its numbers are of.
     """
 
     record: StepRecord
@@ -83,6 +100,7 @@ class Step:
     findings: list[Finding]
     checkpoint: Checkpoint
     effort: Effort
+    mesh: Mesh
 
     @property
     def report(self) -> StepReport:
@@ -115,6 +133,8 @@ class Observer:
         What the case expects.
     observables : sequence of Observable
         What is measured besides.
+    mesh : Mesh
+        What `bodies` are resolved by.
     """
 
     def __init__(
@@ -125,8 +145,9 @@ class Observer:
         levels: Sequence[float],
         expected: Sequence[Expected | BodyExpected] = (),
         observables: Sequence[Observable] = (),
+        mesh: Mesh,
     ) -> None:
-        self._setup, self._bodies = setup, bodies
+        self._setup, self._bodies, self._mesh = setup, bodies, mesh
         self._levels, self._expected, self._observables = levels, expected, observables
 
     @cached_property
@@ -178,8 +199,8 @@ class Observer:
         columns, fields = observed(self._observables, view)
         components = self._components(problem, measured)
         record = self._record(checkpoint.count, accepted, measured, components, seconds)
-        record = replace(record, more={**record.more, **columns}, **_error_columns(errors))
-        step = Step(record, [], [], measured, view.state.at.displacement, None, [], after, accepted.effort)
+        record = _with_errors(replace(record, more={**record.more, **columns}), errors)
+        step = Step(record, [], [], measured, view.state.at.displacement, None, [], after, accepted.effort, self._mesh)
         is_level = any(np.isclose(accepted.load_factor, level) for level in self._levels)
         if accepted.phase == "tied" or not is_level:
             return step
@@ -275,9 +296,10 @@ class Observer:
         )
 
 
-def _error_columns(errors: Errors) -> dict[str, float]:
-    """Return the columns of estimated errors, by name."""
-    return {f"{name}_error": getattr(errors, name) for name in ERROR_NAMES}
+def _with_errors(record: StepRecord, errors: Errors) -> StepRecord:
+    """Return a row with its estimated errors."""
+    columns: dict[str, Any] = {f"{name}_error": getattr(errors, name) for name in ERROR_NAMES}
+    return replace(record, **columns)
 
 
 def _state(accepted: Accepted) -> State:

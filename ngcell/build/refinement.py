@@ -8,16 +8,21 @@ import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, cast
+from typing import Generic, Protocol, TypeVar, cast
 
+from ngcell.build.options import Options
 from ngcell.build.stages import Stage, singular_exponent
+from ngcell.clock import Clock
 from ngcell.contact.methods.terms import ContactTerm
 from ngcell.errors import CaseError
+from ngcell.mechanics.space import DisplacementSpace
+from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.mechanics.term import Array
 from ngcell.mechanics.transfer import transferred
+from ngcell.problem.problem import Problem
 from ngcell.problem.state import State
 from ngcell.results.error import Errors, Numbers, estimate
-from ngcell.results.measure import numbers_of
+from ngcell.results.measure import Setup, numbers_of
 from ngcell.solve.effort import OutOfIterations
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.proximal import ProximalTerm
@@ -25,14 +30,38 @@ from ngcell.solve.refined import settled
 from ngcell.solve.released import Released
 from ngcell.solve.step import Accepted, spent
 
-if TYPE_CHECKING:
-    from ngcell.build.simulation import Simulation
-
 _log = logging.getLogger(__name__)
 
 
+class Meshed(Protocol):
+    """A scene on one mesh; see `ngcell.build.simulation.Simulation`."""
+
+    clock: Clock
+    options: Options
+    setup: Setup
+    space: DisplacementSpace
+    motion: PrescribedMotion
+
+    @property
+    def tied(self) -> tuple[Minimiser, ...]:
+        """Minimisers of the tied solid."""
+
+    @property
+    def released(self) -> Released:
+        """Minimisers of the released walls."""
+
+    def problem_of(self, phase: str) -> Problem:
+        """Return the problem that steps of a phase solve."""
+
+    def renew_budget(self) -> None:
+        """Give the minimisers of this mesh all of their iterations."""
+
+
+Scene = TypeVar("Scene", bound=Meshed)
+
+
 @dataclass(frozen=True, eq=False)
-class Refined:
+class Refined(Generic[Scene]):
     """A step on one mesh.
 
     Attributes
@@ -45,15 +74,19 @@ class Refined:
         The step, with the effort of all meshes.
     errors : Errors
         Its estimated errors.
+    is_judged : bool
+        Whether they are held to what is asked for: not where none can be estimated, nor of tied states, which walls are
+        released from.
     """
 
     level: int
-    simulation: Simulation
+    simulation: Scene
     accepted: Accepted
     errors: Errors
+    is_judged: bool
 
 
-class Refinement:
+class Refinement(Generic[Scene]):
     """The meshes of a scene, each built when it is needed.
 
     Parameters
@@ -69,7 +102,7 @@ class Refinement:
     """
 
     def __init__(
-        self, base: Simulation, stages: Sequence[Stage], build: Callable[[Stage], Simulation], accuracy: float
+        self, base: Scene, stages: Sequence[Stage], build: Callable[[Stage], Scene], accuracy: float
     ) -> None:
         self._stages, self._build, self._accuracy = list(stages), build, accuracy
         self._levels = [_Level(base)]
@@ -79,18 +112,26 @@ class Refinement:
         """Whether errors are estimated."""
         return len(self._stages) > 1
 
-    def level(self, number: int) -> Simulation:
+    def table(self) -> list[dict[str, int]]:
+        """Return order, grading and unknowns of the meshes that were used, the coarsest first."""
+        return [
+            {"order": stage.order, "grading": stage.grading, "unknowns": level.simulation.space.unknowns}
+            for stage, level in zip(self._stages, self._levels, strict=False)
+        ]
+
+    def level(self, number: int) -> Scene:
         """Return the scene on one of the meshes."""
         found = self._level(number)
         assert found is not None
         return found.simulation
 
-    def refine(self, accepted: Accepted, at_least: int = 0) -> Refined:
+    def refine(self, accepted: Accepted, at_least: int = 0) -> Refined[Scene]:
         """Return a step with an error within the accuracy, or with as small a one as there is.
 
         `at_least` is the number of the mesh that it is to be taken to whatever the error.
         """
-        last = Refined(0, self._levels[0].simulation, accepted, Errors())
+        is_judged = self.estimates and accepted.phase != "tied"
+        last = Refined(0, self._levels[0].simulation, accepted, Errors(), is_judged)
         found = [self._numbers(last)]
         while self.estimates:
             finer = self._next(last)
@@ -105,8 +146,7 @@ class Refinement:
                 effort = finer.accepted.effort
                 return replace(last, accepted=replace(last.accepted, effort=effort), errors=errors)
             last = replace(finer, errors=errors)
-            # Tied states are where walls are released from: their error is told, and not judged.
-            if last.accepted.phase == "tied" or (errors.relative <= self._accuracy and last.level >= at_least):
+            if not is_judged or (errors.relative <= self._accuracy and last.level >= at_least):
                 return last
         return last
 
@@ -114,7 +154,7 @@ class Refinement:
     def _exponent(self) -> float:
         return singular_exponent(self._levels[0].simulation.space)
 
-    def _level(self, number: int) -> _Level | None:
+    def _level(self, number: int) -> _Level[Scene] | None:
         """Return a mesh; None where there are no more, or where the machine has no room for it."""
         if number >= len(self._stages):
             return None
@@ -127,24 +167,24 @@ class Refinement:
                 return None
         return self._levels[number]
 
-    def _next(self, coarse: Refined) -> Refined | None:
+    def _next(self, coarse: Refined[Scene]) -> Refined[Scene] | None:
         """Return a step on the next mesh; None where there is none, or where it finds no equilibrium."""
         level = self._level(coarse.level + 1)
         if level is None:
             return None
         return level.settled(coarse)
 
-    def _numbers(self, one: Refined) -> Numbers:
+    def _numbers(self, one: Refined[Scene]) -> Numbers:
         simulation, minimum = one.simulation, one.accepted.minimum
         with simulation.clock.phase("measuring"):
             problem = simulation.problem_of(one.accepted.phase)
             return numbers_of(simulation.setup, problem, cast(State, minimum.state), minimum.proximal)
 
 
-class _Level:
+class _Level(Generic[Scene]):
     """The scene on one mesh, with the minimisers that take steps over from the mesh before."""
 
-    def __init__(self, simulation: Simulation) -> None:
+    def __init__(self, simulation: Scene) -> None:
         self.simulation = simulation
 
     @cached_property
@@ -155,7 +195,7 @@ class _Level:
     def _tied(self) -> tuple[Minimiser, ...]:
         return self.simulation.tied
 
-    def settled(self, coarse: Refined) -> Refined | None:
+    def settled(self, coarse: Refined[Scene]) -> Refined[Scene] | None:
         """Return a step on this mesh that was found on the one before; None where it finds no equilibrium."""
         mine, accepted = self.simulation, coarse.accepted
         load, is_tied = accepted.load_factor, accepted.phase == "tied"
@@ -176,7 +216,7 @@ class _Level:
             released.apply(load)
             softer = released.minimisers[-1 - len(minimisers)].problem
             minimisers[0].problem.start_from(softer, softer.at(start))
-        minimisers[-1].problem.refine(before, cast(State, accepted.minimum.state))
+        mine.problem_of(accepted.phase).refine(before, cast(State, accepted.minimum.state))
         mine.renew_budget()
         try:
             options = mine.options.solver
@@ -187,10 +227,16 @@ class _Level:
             _log.info("mesh %d: %s", coarse.level + 1, minimum.ending.value)
             return None
         effort = accepted.effort + (spent(minimisers) - effort)
-        return Refined(coarse.level + 1, mine, replace(accepted, minimum=minimum, effort=effort), Errors())
+        return replace(
+            coarse,
+            level=coarse.level + 1,
+            simulation=mine,
+            accepted=replace(accepted, minimum=minimum, effort=effort),
+        )
 
     @property
     def _minimisers(self) -> tuple[Minimiser, ...]:
         """Minimisers of the released walls: a method with multipliers takes its first pressures from a penalty."""
-        has_multipliers = any(isinstance(t, ContactTerm) and t.has_multipliers for t in self.simulation.problem.terms)
-        return self._released.minimisers[-2:] if has_multipliers else self._released.minimisers[-1:]
+        terms = self.simulation.problem_of("released").terms
+        has_multipliers = any(isinstance(term, ContactTerm) and term.has_multipliers for term in terms)
+        return self._released.minimisers[-2 if has_multipliers else -1 :]

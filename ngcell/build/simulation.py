@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ngcell.build.balance import check_balance
 from ngcell.build.checkpoint import Checkpoint
 from ngcell.build.discretisation import discretise
-from ngcell.build.observation import Observer, Step
+from ngcell.build.observation import Mesh, Observer, Step
 from ngcell.build.options import Options
 from ngcell.build.refinement import Refined, Refinement
 from ngcell.build.stages import Stage, stages_of
@@ -81,6 +81,8 @@ class Simulation:
     ----------
     refinement : Refinement
         The meshes that steps are reported on.
+    accuracy : float
+        Relative error that is asked for.
     """
 
     def __init__(
@@ -102,8 +104,8 @@ class Simulation:
                 scene, self.clock, options=self.options, terms=terms, observables=observables, stage=finer
             )
 
-        self.refinement = Refinement(self, stages, build, scene.accuracy)
-        self._accuracy, scene = scene.accuracy, stages[0].scene
+        self.refinement: Refinement[Simulation] = Refinement(self, stages, build, scene.accuracy)
+        self.accuracy, scene = scene.accuracy, stages[0].scene
         self._case, self.levels, self._strategy = scene, scene.level_factors, strategy
         self._budget = Budget(self.options.solver.most_iterations)
         with self.clock.phase("meshing"):
@@ -127,6 +129,7 @@ class Simulation:
             levels=self.levels,
             expected=() if isinstance(scene, BodyScene) else scene.expected,
             observables=(*scene.observables, *observables),
+            mesh=Mesh(stages[0].order, stages[0].grading, self.space.unknowns),
         )
 
     @cached_property
@@ -218,8 +221,8 @@ class Simulation:
         # stiffest.
         first = options.first_overlapping if self._overlaps_at_rest else options.first * stiffest / softest
         last = options.last
-        if isfinite(self._accuracy):
-            last = max(last, self.options.solver.proximal_share * self._accuracy)
+        if isfinite(self.accuracy):
+            last = max(last, self.options.solver.proximal_share * self.accuracy)
         return Continuation(softest / self.bodies.length**2, replace(options, first=first, last=last))
 
     @property
@@ -266,11 +269,10 @@ class Simulation:
             started = perf_counter()
 
     def observed(
-        self, refined: Refined, checkpoint: Checkpoint, seconds: float, tied: Configuration | None = None
+        self, refined: Refined[Simulation], checkpoint: Checkpoint, seconds: float, tied: Configuration | None = None
     ) -> Step:
         """Return what is reported of a step on this mesh that follows a checkpoint, and a tied state at its load."""
         accepted, level = refined.accepted, refined.level
-        is_judged = accepted.phase != "tied" and isfinite(self._accuracy)
         return self._observer.step(
             accepted,
             self.problem_of(accepted.phase),
@@ -278,7 +280,7 @@ class Simulation:
             seconds,
             tied=tied,
             errors=refined.errors,
-            accuracy=self._accuracy if is_judged else None,
+            accuracy=self.accuracy if refined.is_judged else None,
         )
 
     def problem_of(self, phase: str) -> Problem:
@@ -289,7 +291,7 @@ class Simulation:
         """Give the minimisers of this mesh all of their iterations."""
         self._budget.renew()
 
-    def _released_from(self, refined: Refined, checkpoint: Checkpoint) -> Configuration | None:
+    def _released_from(self, refined: Refined[Simulation], checkpoint: Checkpoint) -> Configuration | None:
         """Return the tied state at the load of a released step on its mesh, if that was the step before."""
         tied, load, space = checkpoint.reported.get("tied"), refined.accepted.load_factor, refined.simulation.space
         if refined.accepted.phase == "tied" or tied is None or checkpoint.work["tied"].load_factor != load:

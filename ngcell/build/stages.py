@@ -25,8 +25,6 @@ from ngcell.scene.mesh import HIGHEST_ORDER
 #: error is 1 to 2 % in a tissue, is left out where a higher accuracy is asked for.
 _TISSUE = ((2, 1), (3, 1), (4, 1), (4, 2), (5, 2), (6, 3))
 _COARSE, _OF_COARSE = (4, 1), 0.02
-#: Order where no error is to be estimated: of a tissue, and of user-defined bodies.
-PLAIN_ORDER = {True: 3, False: 2}
 #: Exponents of the displacement's growth with the distance from the end of a contact, and from a corner that is held on
 #: one side (Williams, J. Appl. Mech. 19, 1952); angles in radians from which on an outline is re-entrant, and up to
 #: which it has a corner.
@@ -64,11 +62,10 @@ class Stage:
 
 def stages_of(scene: AnyCase | BodyScene) -> tuple[Stage, ...]:
     """Return the meshes of a scene, the coarsest first."""
-    mesh = None if isinstance(scene, BodyScene) else scene.mesh
-    given = scene.order if isinstance(scene, BodyScene) else scene.mesh.order
-    grading, is_tissue = getattr(mesh, "grading", None), isinstance(scene, Case)
-    if isinf(scene.accuracy):
-        return (_stage(scene, given or PLAIN_ORDER[is_tissue], grading or 0),)
+    mesh = scene if isinstance(scene, BodyScene) else scene.mesh
+    given, grading, is_tissue = mesh.order, getattr(mesh, "grading", None), isinstance(scene, Case)
+    if isinf(scene.accuracy) or scene.cohesion is not None:
+        return (_stage(scene, mesh.plain_order, grading or 0),)
     if given is not None:
         return _stage(scene, given, grading or 0), _stage(scene, given + 1, grading or 0, is_reported=False)
     if is_tissue and grading is None:
@@ -91,8 +88,8 @@ def _stage(scene: AnyCase | BodyScene, order: int, grading: int, *, is_reported:
 def singular_exponent(space: DisplacementSpace) -> float:
     """Return the smallest exponent with which the displacement grows from a corner of a body, or the end of a contact.
 
-    At a re-entrant corner of angle w, free on both sides, it is the root of ``sin(x w) + x sin(w) = 0`` (Williams 1952).
-    Edges of solids count as re-entrant right angles.
+    At a re-entrant corner of angle w, free on both sides, it is the root of ``sin(x w) + x sin(w) = 0`` (Williams
+    1952). Edges of solids count as re-entrant right angles.
     """
     if space.dimension == 3:
         return _free_exponent(1.5 * np.pi)

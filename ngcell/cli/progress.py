@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from ngcell.cli.streams import note
+from ngcell.cli.summary import with_error
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -53,6 +54,7 @@ def step_line(record: StepRecord) -> str:
     """Return an accepted step in one line."""
     return (
         f"step {record.step:3d}  {record.phase:8s}  load {record.load_factor:6.4f}  "
+        f"energy {with_error(record.energy, record.energy_error):18s}  "
         f"largest gap {record.largest_gap:10.3e}  parted {record.parted_pairs:4d}  "
         f"iterations {record.iterations:3d}  {record.seconds:6.1f} s"
         f"{'' if record.certified else '  not certified'}"

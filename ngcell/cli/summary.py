@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from math import hypot, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,9 +17,35 @@ def summary_lines(recording: Recording, folder: Path) -> Iterator[str]:
     passed = recording.certified or _missed_expected_only(recording.summary)
     yield f"certificate  {'passed' if passed else 'NOT PASSED'}"
     yield from table_lines(recording.summary.get("certificate", {}), indent=2)
+    yield from error_lines(recording.summary)
     yield from expected_lines(recording.summary.get("expected", ()))
     yield from stiffer_lines(recording.summary.get("stiffer_penalty", {}))
     yield f"results      {folder}"
+
+
+def error_lines(summary: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the numbers of the last step with their estimated errors; a line that says so where there are none."""
+    last = summary.get("last_step")
+    if last is None:
+        return
+    if not isfinite(last["energy_error"]):
+        yield "last step    errors were not estimated"
+        return
+    yield "last step    with estimated errors"
+    size = hypot(*(last[f"plate_force_{axis}"] for axis in "xyz"))
+    rows = {name: last[name] for name in ("energy", "contact_force", "mean_gap", "largest_gap")}
+    rows["plate_force"] = size
+    for name, value in rows.items():
+        yield f"  {_words(name):13}  {with_error(value, last[f'{name}_error'])}"
+
+
+def with_error(value: float, error: float) -> str:
+    """Return a number and its estimated error: relative, where that says something."""
+    if not isfinite(error):
+        return f"{value:.4g}"
+    if abs(value) > error:
+        return f"{value:.4g} ± {100 * error / abs(value):.1g} %"
+    return f"{value:.4g} ± {error:.1g}"
 
 
 def _missed_expected_only(summary: Mapping[str, Any]) -> bool:

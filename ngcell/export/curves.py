@@ -23,7 +23,7 @@ def draw_curves(history: Sequence[StepRecord], path: Path, *, certified: bool, o
     """Draw largest and mean gap, and below them the number of parted wall pairs, over the plate displacement.
 
     Tied steps are left out if there is a released one, since tied walls have no gap. Under a load that moves no
-    plate the curves run over the load factor.
+    plate the curves run over the load factor. Bands show estimated errors.
 
     Parameters
     ----------
@@ -58,6 +58,9 @@ def draw_curves(history: Sequence[StepRecord], path: Path, *, certified: bool, o
     ):
         values = np.array([getattr(row, column) for row in rows], dtype=float)
         _draw(axes, load, values, label=column.replace("_", " "), colour=colour)
+        errors = np.array([getattr(row, f"{column}_error", np.nan) for row in rows])
+        if np.isfinite(errors).any():
+            axes.fill_between(load, values - errors, values + errors, color=colour, alpha=0.25, linewidth=0)
         if failed.any():
             _ring(axes, load[failed], values[failed])
     _scale(gaps, parted, load)

@@ -8,6 +8,9 @@ import numpy as np
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.term import Array
 
+#: Distance, in sizes of a body, below which two vertices are one.
+_SAME = 1e-12
+
 
 def transferred(displacement: Array, coarse: DisplacementSpace, fine: DisplacementSpace) -> Array:
     """Return a displacement as unknowns of a finer space, shape (unknowns,) [length].
@@ -29,5 +32,5 @@ def transferred(displacement: Array, coarse: DisplacementSpace, fine: Displaceme
 def _same_elements(one: DisplacementSpace, two: DisplacementSpace) -> bool:
     if one.bodies.mesh.ne != two.bodies.mesh.ne or one.bodies.mesh.nv != two.bodies.mesh.nv:
         return False
-    places = (np.array([vertex.point for vertex in space.bodies.mesh.vertices]) for space in (one, two))
-    return bool(np.allclose(*places, rtol=0, atol=1e-12 * one.bodies.length))
+    here, there = (np.array([vertex.point for vertex in space.bodies.mesh.vertices]) for space in (one, two))
+    return bool(np.abs(here - there).max() <= _SAME * one.bodies.length)

@@ -22,7 +22,7 @@ from ngcell.scene.entries import (
     sequence_of,
 )
 from ngcell.scene.levels import Levels
-from ngcell.scene.mesh import HIGHEST_ORDER, Refinement
+from ngcell.scene.mesh import HIGHEST_ORDER, PLAIN_BODY_ORDER, Refinement
 from ngcell.scene.registry import checked, default_of
 
 #: Two numbers, or three for solids.
@@ -278,6 +278,11 @@ class BodyScene:
             if not self.contact.goes_with_cohesion:
                 raise CaseError(f"cohesion does not go with contact {self.contact!r}; allowed: a Penalty")
         _check_levels(self.levels)
+
+    @property
+    def plain_order(self) -> int:
+        """The order that is given, or else the one where no error is to be estimated."""
+        return self.order or PLAIN_BODY_ORDER
 
     @property
     def level_factors(self) -> tuple[float, ...]:

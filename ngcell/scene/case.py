@@ -57,8 +57,8 @@ class Case(BaseModel):
     cohesion : Cohesion, optional
         What holds walls together; by default nothing does.
     accuracy : float
-        Relative error that energies, forces and gaps of held walls may have, > 0; the mesh follows from it, and a result
-        whose estimated error is larger is not certified. Infinite where no error is to be estimated.
+        Relative error that energies, forces and gaps of held walls may have, > 0; the mesh follows from it, and a
+        result whose estimated error is larger is not certified. Infinite where no error is to be estimated.
     mesh : MeshChoice
         How finely the walls are resolved; what is said here is kept.
     observables : tuple of Rotation

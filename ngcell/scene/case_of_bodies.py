@@ -9,9 +9,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field, Strict, ValidationInfo, field_validator
 
+from ngcell.scene.accuracy import DEFAULT_ACCURACY, Accuracy
 from ngcell.scene.bodies import BodySupport, Pressure, Traction
 from ngcell.scene.case import Cohesion, Contact, Observables, Strategy
-from ngcell.scene.accuracy import DEFAULT_ACCURACY, Accuracy
 from ngcell.scene.choice import OneOf
 from ngcell.scene.expected import ROUND, SUPPORTED, BodyExpected
 from ngcell.scene.levels import Levels, level_factors
@@ -130,8 +130,9 @@ class BodyCase(BaseModel):
     strategy : Sddp, SingleStep or LoadStepping, optional
         How the load path is followed; by default by single steps, and with cohesion by load stepping.
     accuracy : float
-        Relative error that energies, forces and gaps of held walls may have, > 0; the order of the elements follows from
-        it, and a result whose estimated error is larger is not certified. Infinite where no error is to be estimated.
+        Relative error that energies, forces and gaps of held walls may have, > 0; the order of the elements follows
+        from it, and a result whose estimated error is larger is not certified. Infinite where no error is to be
+        estimated.
     mesh : BodyMeshChoice
         How finely the bodies are resolved; what is said here is kept.
     observables : tuple of Rotation

@@ -14,6 +14,8 @@ from ngcell.scene.section import SECTION, PlanarVector, PositiveCount, PositiveN
 MOST_ACROSS = 1000
 #: The highest polynomial order.
 HIGHEST_ORDER = 6
+#: The order of user-defined bodies where none is given, and no error is to be estimated.
+PLAIN_BODY_ORDER = 2
 
 Order = Annotated[int, Field(ge=1, le=HIGHEST_ORDER)]
 
@@ -44,6 +46,11 @@ class MeshChoice(BaseModel):
     layers: PositiveCount | None = None
     slices: PositiveCount | None = None
     grading: Annotated[int, Field(ge=0, le=4)] | None = None
+
+    @property
+    def plain_order(self) -> int:
+        """The order that is given, or else the one where no error is to be estimated."""
+        return self.order or 3
 
     def check_scope(self, scene: dict[str, Any]) -> None:
         """Refuse slices of planar cells."""
@@ -99,3 +106,8 @@ class BodyMeshChoice(BaseModel):
     order: Order | None = None
     size: PositiveNumber | None = None
     refine: Annotated[tuple[Refinement, ...], Strict(False)] = ()
+
+    @property
+    def plain_order(self) -> int:
+        """The order that is given, or else the one where no error is to be estimated."""
+        return self.order or PLAIN_BODY_ORDER

@@ -41,9 +41,9 @@ def settled(
     options : SolverOptions
         The solver's own numbers.
     """
-    before: Minimiser | None = None
+    minimum, before = None, None
     for minimiser in minimisers:
-        if before is not None:
+        if before is not None and minimum is not None:
             minimiser.problem.start_from(before.problem, minimum.state)
         enough = options.refined * abs(minimiser.problem.at(start).energy)
         minimum = minimiser.minimise(start, proximal, enough)
@@ -51,6 +51,7 @@ def settled(
             return minimum
         start, before = minimum.state.displacement, minimiser
     last = minimisers[-1]
+    assert minimum is not None
     return until_conditions_hold(last, minimum, length, options.continuation)
 
 

@@ -117,3 +117,24 @@ def test_supports_and_walls_share_out_all_outer_edges():
     assert count == {"low": 3 * 8, "high": 3 * 8, "wall": 3 * (6 * 12 - 16), "lumen": 3 * 6 * 12}
     assert tissue.bodies.wall_names.split("|") == ["wall", "low", "high"]
     assert tissue.walls.facet_count == 3 * 6 * 12
+
+
+@pytest.mark.parametrize("radius", [0.0, 0.05, 0.2, 0.4])
+@pytest.mark.parametrize("wall", [0.02, 0.1, 0.3])
+def test_grading_keeps_the_cell_and_the_nodes_that_were_there(wall: float, radius: float):
+    lattice = hexagonal_lattice(1, 1, side=1.0, pointy=True)
+    layers = [
+        ring_layers(lattice, wall=wall, radius=radius, edges=2, layers=1, grading=grading) for grading in range(4)
+    ]
+    areas = [_area(nodes[0]) - _area(nodes[-1]) for nodes in layers]
+    assert areas == pytest.approx([areas[0]] * 4, rel=1e-12)
+    for coarse, fine in zip(layers[1:], layers[2:], strict=False):
+        away = np.linalg.norm(coarse.reshape(-1, 1, 2) - fine.reshape(1, -1, 2), axis=2).min(1)
+        assert away.max() < 1e-12
+        sides = np.linalg.norm(np.diff(fine[-1], axis=0, append=fine[-1][:1]), axis=1)
+        assert sides.min() > 0.1 * rings.GRADE**2 * min(wall, 0.25)
+
+
+def _area(outline: np.ndarray) -> float:
+    x, y = outline.T
+    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2

@@ -63,7 +63,8 @@ class FacingWalls:
 
     def between_held(self, free_bodies: Sequence[int]) -> NDArray[np.bool_]:
         """Return which points are on walls between bodies that something holds, shape (points,)."""
-        return np.asarray(~np.isin(self.pairs, free_bodies).any(1)[self.pair])
+        is_held = ~np.isin(self.pairs, np.asarray(free_bodies)).any(axis=1)
+        return np.asarray(np.atleast_1d(is_held)[self.pair])
 
 
 def find_facing(walls: Surface, tolerance: float, reach: float = 0.0) -> FacingWalls:

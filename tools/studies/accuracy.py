@@ -1,0 +1,116 @@
+"""Error asked for, error promised, error found: tissues at several accuracies against an overkill mesh.
+
+    python -m tools.studies accuracy [--scene NAME] [--quick]
+
+Each row is the last released level of a scene at one accuracy. The overkill mesh is reached from the same load path by
+an accuracy that no mesh meets. Effectivity is the error promised over the error found. Rows go to
+`tools/results/accuracy.csv`; runs that have a row of the present sources are not repeated.
+"""
+
+from __future__ import annotations
+
+from math import hypot
+from time import process_time
+from typing import Any
+
+import click
+
+import ngcell
+from tools import tables
+from tools.commands import described
+from tools.places import RESULTS
+from tools.runs import sources
+
+TABLE, REPORT = RESULTS / "accuracy.csv", RESULTS / "accuracy.md"
+ACCURACIES = (0.1, 0.03, 0.01, 0.003)
+OVERKILL = 1e-9
+NUMBERS = ("energy", "plate_force", "mean_gap")
+COLUMNS = (
+    "scene", "accuracy", "code", *(part for name in NUMBERS for part in (name, f"{name}_error")),
+    "order", "grading", "unknowns", "certified", "seconds",
+)  # fmt: skip
+SCENES: dict[str, tuple[str, tuple[str, ...]]] = {
+    "3x3 to 0.4": ("shear-empty-3x3", ("load.displacement=[0.4, 0.0]", "load.levels=1")),
+    "3x3 to 1.0": ("shear-empty-3x3", ("load.levels=1",)),
+    "3x3 under 0.01": (
+        "shear-empty-3x3",
+        ("load.displacement=[0.4, 0.0]", "load.levels=1", 'lumen.kind="pressure"', "lumen.pressure=0.01"),
+    ),
+    "3x3 filled": ("shear-filled", ("tissue.rows=3", "tissue.cols=3", "load.displacement=[0.4, 0.0]", "load.levels=1")),
+    "5x7 to 1.6": ("shear-empty", ("load.levels=1",)),
+    "ring on hub": ("press-fit", ()),
+    "Hertz": ("hertz-cylinders", ("levels=1",)),
+    "blocks": ("stacked-blocks", ("levels=1",)),
+}
+
+
+def measured(scene: str, accuracy: float) -> dict[str, Any]:
+    """Run a scene at an accuracy, and return its row."""
+    case, sets = SCENES[scene]
+    started = process_time()
+    *_, step = ngcell.simulate(ngcell.read_case(case, [*sets, f"accuracy={accuracy}"]))
+    seconds, record = process_time() - started, step.record
+    row: dict[str, Any] = {"scene": scene, "accuracy": accuracy, "code": sources()}
+    for name in NUMBERS:
+        force = hypot(record.plate_force_x, record.plate_force_y)
+        row[name] = force if name == "plate_force" else getattr(record, name)
+        row[f"{name}_error"] = getattr(record, f"{name}_error")
+    mesh = step.mesh
+    row |= {"order": mesh.order, "grading": mesh.grading, "unknowns": len(step.displacement)}
+    return row | {"certified": record.certified, "seconds": round(seconds, 2)}
+
+
+def report() -> str:
+    """Return the table of promised and found errors."""
+    rows = tables.read(TABLE)
+    lines = [
+        "# Error asked for, promised and found",
+        "",
+        "`python -m tools.studies accuracy` makes this. Errors are relative, in percent: promised / found against the",
+        "overkill mesh of the last column; effectivity is their ratio for the energy. Seconds are of the processor.",
+        "",
+        "| scene | accuracy | energy | plate force | mean gap | effectivity | order, grading | unknowns | certified "
+        "| s | code |",
+        "|---|---|---|---|---|---|---|---|---|---|---|",
+    ]
+    for row in rows:
+        reference = _reference(rows, row["scene"])
+        if reference is None or float(row["accuracy"]) == OVERKILL:
+            continue
+        pairs, effectivity = [], ""
+        for name in NUMBERS:
+            truth = float(reference[name])
+            promised = float(row[f"{name}_error"]) / max(abs(truth), 1e-300)
+            found = abs(float(row[name]) - truth) / max(abs(truth), 1e-300)
+            pairs.append(f"{100 * promised:.2g} / {100 * found:.2g}")
+            if name == "energy":
+                effectivity = f"{promised / max(found, 1e-300):.2g}"
+        mesh = f"{row['order']}, {row['grading']}"
+        cells = [row["scene"], row["accuracy"], *pairs, effectivity, mesh, row["unknowns"], row["certified"]]
+        lines.append("| " + " | ".join([*cells, row["seconds"], row["code"]]) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def _reference(rows: list[dict[str, str]], scene: str) -> dict[str, str] | None:
+    return next((row for row in rows if row["scene"] == scene and float(row["accuracy"]) == OVERKILL), None)
+
+
+@described(__doc__)
+@click.option("--scene", "scenes", multiple=True, type=click.Choice(list(SCENES)), help="Only this one; repeatable.")
+@click.option("--quick", is_flag=True, help="The two coarsest accuracies of the first scene, without writing anything.")
+def command(scenes: tuple[str, ...], quick: bool) -> None:
+    """Run what is missing, and write the table."""
+    if quick:
+        for accuracy in ACCURACIES[:2]:
+            click.echo(measured("3x3 to 0.4", accuracy))
+        return
+    known = {(row["scene"], float(row["accuracy"]), row["code"]) for row in tables.read(TABLE)}
+    for scene in scenes or SCENES:
+        for accuracy in (*ACCURACIES, OVERKILL):
+            if (scene, accuracy, sources()) in known:
+                continue
+            row = measured(scene, accuracy)
+            kept = [old for old in tables.read(TABLE) if (old["scene"], float(old["accuracy"])) != (scene, accuracy)]
+            tables.write(TABLE, COLUMNS, [*kept, row])
+            click.echo(f"{scene} at {accuracy:g}: energy {row['energy']:.6g}, {row['seconds']} s")
+    REPORT.write_text(report(), encoding="utf-8")
