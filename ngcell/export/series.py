@@ -1,12 +1,11 @@
 """A time series of snapshots that ParaView and pyvista open: `tissue.pvd` and its `.vtu` files.
 
-Only VTK's XML writer is imported, not pyvista, which takes three times the processor time. The writer fills a string,
-and Python writes the file, so that a full disk shows as an error and never as half a file.
+Each file is written in full or not at all, so that a full disk shows as an error and never as half a file.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,15 +13,14 @@ from typing import TYPE_CHECKING, Any
 from zlib import crc32
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ngcell.errors import OutputError
 from ngcell.export.atomic import replace_file
+from ngcell.export.vtu import vtu
 from ngcell.results.snapshot import Grid, Snapshot
 
 if TYPE_CHECKING:
     import pyvista
-    from vtkmodules.vtkCommonDataModel import vtkUnstructuredGrid
 
 CERTIFIED = "certified"
 NOT_CERTIFIED = "NOT CERTIFIED"
@@ -107,7 +105,7 @@ class SnapshotSeries:
         files = [self.folder / file for file in self._parts(entry)]
         try:
             for file, grid in zip(files, (snapshot.bulk, snapshot.walls), strict=True):
-                content = _vtu(grid, _labels(snapshot, certified))
+                content = vtu(grid, _labels(snapshot, certified))
                 replace_file(file, content)
                 self.checksums[file.name] = crc32(content)
             replace_file(self.folder / f"{self.name}.pvd", self._pvd([*self._entries, entry]))
@@ -179,67 +177,6 @@ def _labels(snapshot: Snapshot, certified: bool) -> dict[str, Any]:
         "load_factor": np.array([snapshot.load_factor], dtype=np.float64),
         "plate_displacement": np.array([snapshot.plate_displacement], dtype=np.float64),
     }
-
-
-def _vtu(grid: Grid, labels: Mapping[str, Any]) -> bytes:
-    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
-
-    writer = vtkXMLUnstructuredGridWriter()
-    writer.SetInputData(_vtk_grid(grid, labels))
-    writer.SetDataModeToAppended()
-    writer.EncodeAppendedDataOff()
-    writer.SetCompressorTypeToLZ4()
-    writer.SetWriteToOutputString(True)
-    writer.Write()
-    content = writer.GetOutputString()
-    # VTK's Python layer hands over str when the bytes happen to be valid UTF-8.
-    return content.encode() if isinstance(content, str) else content
-
-
-def _vtk_grid(grid: Grid, labels: Mapping[str, Any]) -> vtkUnstructuredGrid:
-    from vtkmodules.util import numpy_support
-    from vtkmodules.vtkCommonCore import vtkPoints
-    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkUnstructuredGrid
-
-    points, cells, result = vtkPoints(), vtkCellArray(), vtkUnstructuredGrid()
-    points.SetData(_vtk_array("points", np.asarray(grid.points, dtype=np.float64)))
-    connectivity = np.array(grid.cells, dtype=np.int64).ravel()
-    to_vtk: Any = numpy_support.numpy_to_vtkIdTypeArray  # it is not annotated
-    cells.SetData(grid.cells.shape[1], to_vtk(connectivity, deep=True))
-    result.SetPoints(points)
-    result.SetCells(grid.cell_type, cells)
-    for data, place in (
-        (grid.point_data, result.GetPointData()),
-        (grid.cell_data, result.GetCellData()),
-        (labels, result.GetFieldData()),
-    ):
-        for array in _vtk_arrays(data):
-            place.AddArray(array)
-    return result
-
-
-def _vtk_arrays(data: Mapping[str, Any]) -> Iterator[Any]:
-    for name, values in data.items():
-        yield _vtk_string(name, values) if isinstance(values, str) else _vtk_array(name, values)
-
-
-def _vtk_array(name: str, values: NDArray[Any]) -> Any:
-    from vtkmodules.util import numpy_support
-
-    to_vtk: Any = numpy_support.numpy_to_vtk  # it is not annotated
-    whole = np.asarray(values).dtype.kind in "bui"
-    array = to_vtk(np.ascontiguousarray(values, dtype=np.int64 if whole else np.float64), deep=True)
-    array.SetName(name)
-    return array
-
-
-def _vtk_string(name: str, text: str) -> Any:
-    from vtkmodules.vtkCommonCore import vtkStringArray
-
-    array = vtkStringArray()
-    array.SetName(name)
-    array.InsertNextValue(text)
-    return array
 
 
 def _grid(dataset: pyvista.UnstructuredGrid) -> Grid:
