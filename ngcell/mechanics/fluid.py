@@ -21,12 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ngcell.mechanics.loads import BoundaryLoads
+from ngcell.mechanics.applied.boundary_pressure import Pressure
+from ngcell.mechanics.applied.potential import AppliedLoads
 from ngcell.mechanics.report import Check, Scales
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.mechanics.term import Configuration, Drive, Role, Term
-from ngcell.scene import Pressure
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -276,8 +276,8 @@ class _Surfaces:
         return np.asarray(-self._swept.form.tangent(displacement).data[self._lower])
 
 
-def _unit_pressure(space: DisplacementSpace, region: str) -> BoundaryLoads:
+def _unit_pressure(space: DisplacementSpace, region: str) -> AppliedLoads:
     """Return a unit pressure, whose potential is what the boundary sweeps out of the lumen."""
-    loads = BoundaryLoads(space, [Pressure(region, 1.0)], PrescribedMotion(space, []))
+    loads = AppliedLoads(space, [Pressure(boundary=region, value=1.0)], PrescribedMotion(space, []))
     loads.apply(1.0)
     return loads

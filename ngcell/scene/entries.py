@@ -52,12 +52,6 @@ def entries_of(value: object, place: str, allowed: str) -> tuple[Any, ...]:
     return tuple(value)
 
 
-def check_vector(value: object, place: str) -> None:
-    """Raise CaseError if a value is neither numbers nor a function of the place."""
-    if not callable(value):
-        check_numbers(value, place, NUMBERS)
-
-
 def check_numbers(value: object, place: str, allowed: str) -> None:
     """Raise CaseError if a value is not two or three finite numbers."""
     if not all(is_number(entry) for entry in entries_of(value, place, allowed)):

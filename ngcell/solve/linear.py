@@ -176,7 +176,8 @@ class Factor:
         With c entries in a column, a factorisation takes c^2 operations a column, and a solution 4 c.
         """
         assert self._inverse is not None  # the pattern of the factor stays that of the first factorisation
-        return int(self._inverse.nze) // (4 * self._matrix.height)
+        entries, height = int(self._inverse.nze), int(self._matrix.height)
+        return entries // (4 * height)
 
     def solve(self, right: Array) -> Array:
         """Return the solution; 0 in rows that are not free."""

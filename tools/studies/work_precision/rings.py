@@ -84,7 +84,7 @@ def scene(problem: str, contact: Any, order: int, size: float) -> BodyScene:
     for body in ("inner", "outer"):
         supports.append(BodySupport(f"{body}-x", components=(False, True)))
         supports.append(BodySupport(f"{body}-y", components=(True, False)))
-    loads = [] if pressure is None else [Pressure("inner-bore", pressure)]
+    loads = [] if pressure is None else [Pressure(boundary="inner-bore", value=pressure)]
     return BodyScene(bodies, supports, size=size, order=order, levels=1, contact=contact, loads=loads)
 
 
