@@ -179,4 +179,4 @@ def solved(scene: Any) -> Solution:
 def meshed(scene: Any) -> tuple[ngsolve.Mesh, float]:
     """Return the mesh of a scene that is not solved, and the plane-strain modulus of its softest body [stress]."""
     built = discretise(scene)
-    return built.space.bodies.mesh, min(law.plane_strain_modulus for law in built.walls)
+    return built.space.mesh, min(law.plane_strain_modulus for law in built.walls)

@@ -14,10 +14,10 @@ class Lift:
         assert dimension == 2
 
     def region(self, space):
-        return ngsolve.ds(definedon=space.bodies.mesh.Boundaries(self.boundary))
+        return ngsolve.ds(definedon=space.mesh.Boundaries(self.boundary))
 
     def density(self, space, displacement, swept):
-        return -self.force / ngsolve.Integrate(ngsolve.CF(1) * self.region(space), space.bodies.mesh) * displacement[1]
+        return -self.force / ngsolve.Integrate(ngsolve.CF(1) * self.region(space), space.mesh) * displacement[1]
 
 
 face = occ.Rectangle(3, 1).Face()

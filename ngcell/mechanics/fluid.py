@@ -15,8 +15,6 @@ the pace. Each lumen adds a full block over the unknowns of its outline to the t
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
@@ -74,7 +72,7 @@ class LumenFluids(Term):
         lumen = np.searchsorted(self.body, space.body_of_unknown[outline])
         self._lumen = np.tile(lumen, space.dimension)
         self._swept = (_Outlines if space.dimension == 2 else _Surfaces)(space, region, self._member)
-        self._size, self._dimension, self._bodies = space.unknowns, space.dimension, space.bodies.body_count
+        self._size, self._dimension, self._bodies = space.unknowns, space.dimension, space.body_count
         self._modulus, self._fill, self._in_full = modulus, fill, in_full
         # Bodies are blown up to twice their size.
         self.area = self._risen(space.rest.ravel()) / (2**space.dimension - 1)
@@ -177,7 +175,7 @@ class LumenFluids(Term):
         """Return the work against the pressures for each unit of the share that is filled in [stress * length**2]."""
         return float((self._fill - 1) * (self.pressures(displacement) @ self.area))
 
-    def update_multipliers(self, at: Configuration, stored: Callable[[], float]) -> tuple[float, float]:
+    def update_multipliers(self, at: Configuration, stored: float) -> tuple[float, float]:
         """Take over the pressures of an equilibrium; return by how much areas were off, as a length [length], and the
         energy of that in the liquids [stress * length**2]."""
         surplus = self._surplus(at.displacement)

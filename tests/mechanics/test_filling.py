@@ -70,7 +70,7 @@ def test_a_stretched_filling_stores_its_own_energy_beside_that_of_the_wall():
     assert bulk.energy(state) == pytest.approx(
         density(WALL, gradient) * (full - inner) + density(FILLING, gradient) * inner, rel=1e-10
     )
-    element = np.arange(space.bodies.mesh.ne)
+    element = np.arange(space.mesh.ne)
     gradients = np.tile(np.eye(3), (len(element), 1, 1))
     gradients[:, :2, :2] += gradient
     laws = {FILLING: InclusionEnergy(space, FILLING), WALL: BodyEnergy(space, [WALL])}

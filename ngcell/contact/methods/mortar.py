@@ -29,8 +29,6 @@ at sharp corners, so three cells that meet at a corner have three conditions on 
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
@@ -181,9 +179,7 @@ class MortarContact:
         np.maximum.at(largest, pairs.point, np.where(acts, pressure, 0.0))
         return largest
 
-    def update_multipliers(
-        self, contact: ContactSet, positions: Array, stored: Callable[[], float]
-    ) -> tuple[float, float]:
+    def update_multipliers(self, contact: ContactSet, positions: Array, stored: float) -> tuple[float, float]:
         """Take the pressures of an equilibrium as multipliers; return the largest gap [length] that their change stands
         for, and the energy of that change in the penalty terms [stress * length**2]."""
         assert isinstance(contact, MortarSet)

@@ -82,7 +82,10 @@ class NormalLawTerm(Term):
 
     def found(self, at: Configuration) -> GapKinematics:
         """Return the contact pairs at a configuration."""
-        return at.once(self, self._kinematics)
+        if self not in at.found:
+            at.found[self] = self._kinematics(at.positions)
+        found: GapKinematics = at.found[self]
+        return found
 
     def _kinematics(self, positions: Array) -> GapKinematics:
         return gap_kinematics(self.walls, self._search.pairs(self.walls.nodes(positions)), positions)

@@ -14,7 +14,6 @@ made finer instead, once, if the surface has a finer one.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -171,9 +170,7 @@ class PenaltyContact:
         self._factor, self._stiffens = 1.0, self._may_stiffen and other is not self
         self._search = self._usual
 
-    def update_multipliers(
-        self, contact: ContactSet, positions: Array, stored: Callable[[], float]
-    ) -> tuple[float, float]:
+    def update_multipliers(self, contact: ContactSet, positions: Array, stored: float) -> tuple[float, float]:
         """Stiffen the penalty terms if they are too soft, and return the deepest overlap then, else zeros."""
         if not self._stiffens or self._factor >= MOST_STIFFENED:
             return 0.0, 0.0
@@ -184,7 +181,7 @@ class PenaltyContact:
         if finer is not None and between > max(DEEP * self.reach, self._options.between * deepest):
             self._search = finer
             return between, 0.0
-        if deepest <= DEEP * self.reach and contact.energy(positions) <= HIGH * stored():
+        if deepest <= DEEP * self.reach and contact.energy(positions) <= HIGH * stored:
             return 0.0, 0.0
         self._factor *= STIFFEN
         return deepest, 0.0

@@ -45,4 +45,4 @@ class BodyForce(BaseModel):
 
     def region(self, space: DisplacementSpace) -> ngsolve.comp.DifferentialSymbol:
         """Return its body."""
-        return ngsolve.dx(definedon=space.bodies.mesh.Materials(self.body), bonus_intorder=extra_degrees(self.vector))
+        return ngsolve.dx(definedon=space.mesh.Materials(self.body), bonus_intorder=extra_degrees(self.vector))

@@ -58,4 +58,4 @@ class Pressure(BaseModel):
 
     def region(self, space: DisplacementSpace) -> ngsolve.comp.DifferentialSymbol:
         """Return its boundary."""
-        return ngsolve.ds(definedon=space.bodies.mesh.Boundaries(self.boundary))
+        return ngsolve.ds(definedon=space.mesh.Boundaries(self.boundary))

@@ -45,5 +45,5 @@ class Traction(BaseModel):
 
     def region(self, space: DisplacementSpace) -> ngsolve.comp.DifferentialSymbol:
         """Return its boundary."""
-        boundaries = space.bodies.mesh.Boundaries(self.boundary)
+        boundaries = space.mesh.Boundaries(self.boundary)
         return ngsolve.ds(definedon=boundaries, bonus_intorder=extra_degrees(self.vector))
