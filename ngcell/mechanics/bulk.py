@@ -122,9 +122,9 @@ class InclusionEnergy(SymbolicTerm):
     @property
     def _reduced(self) -> ngsolve.comp.DifferentialSymbol:
         """The measure of the volumetric energy: as many points in each direction as the order."""
-        kind = ngsolve.ET.QUAD if self.space.dimension == 2 else ngsolve.ET.HEX
-        rule = {kind: ngsolve.IntegrationRule(kind, 2 * self.space.order - 1)}
-        return ngsolve.dx(definedon=self.space.mesh.Materials(FILLING), intrules=rule)
+        kinds, degree = (ngsolve.ET.QUAD, ngsolve.ET.HEX), 2 * self.space.order - 1
+        rules = {kind: ngsolve.IntegrationRule(kind, degree) for kind in kinds}
+        return ngsolve.dx(definedon=self.space.mesh.Materials(FILLING), intrules=rules)
 
     def stress(self, gradient: Array, element: Index) -> Array:
         """Return the Cauchy stress [stress], shape (n, 3, 3); zero in walls."""
