@@ -195,7 +195,8 @@ def _signs(mesh: ngsolve.Mesh, numbers: Array) -> ngsolve.GridFunction:
 
 def _ends(space: DisplacementSpace, edges: Index, pressures: Mapping[str, float]) -> Array:
     """Return at each scalar unknown the pressures on lines that end there minus those on lines that start there."""
-    on_edge = np.array([pressures.get(edge.mat, 0.0) for edge in space.mesh.Elements(ngsolve.BND)])
+    boundary = space.mesh.Elements(ngsolve.BND)
+    on_edge = np.array([pressures.get(edge.mat, 0.0) for edge in boundary])
     tail, head = edges.T
     ends = np.bincount(head, on_edge, space.size) - np.bincount(tail, on_edge, space.size)
     return np.where(np.abs(ends) > _ROUND_OFF * np.abs(on_edge).max(), ends, 0.0)

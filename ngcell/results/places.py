@@ -23,7 +23,8 @@ def element_type(space: DisplacementSpace) -> ngsolve.ET:
     GeometryError
         If the mesh has elements of several kinds, or pyramids.
     """
-    kinds = {element.type for element in space.mesh.Elements(ngsolve.VOL)}
+    elements = space.mesh.Elements(ngsolve.VOL)
+    kinds = {element.type for element in elements}
     if kinds not in _DRAWN:
         names = ", ".join(sorted(kind.name for kind in kinds)) or "no elements"
         possible = " or ".join(f"only {kind.name}" for one in _DRAWN for kind in one)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -123,9 +124,9 @@ class BodyScene:
 
     Parameters
     ----------
-    bodies : tuple of Body
+    bodies : sequence of Body
         At least one; they may touch, and share nothing even then.
-    supports : tuple of BodySupport
+    supports : sequence of BodySupport
         What is held and moved; a body that nothing holds stays as near to where it was as contact allows.
     size : float, optional
         Largest length of an element's edge, > 0; by default half of each body's own thickness.
@@ -137,15 +138,15 @@ class BodyScene:
         Smallest number of load steps, >= 1; by default one for each level.
     contact : Penalty, Mortar or ContactChoice
         What walls do to each other.
-    loads : tuple of Pressure, Traction, BodyForce or AppliedLoad
+    loads : sequence of Pressure, Traction, BodyForce or AppliedLoad
         Pressures and tractions on boundaries, forces in bodies; loads on the same boundary or body add up.
-    refinements : tuple of Refinement
+    refinements : sequence of Refinement
         Where elements are smaller.
     cohesion : Cohesion or CohesiveLaw, optional
         What holds walls together that touch at rest; by default nothing does.
     strategy : Strategy, optional
         How the load path is followed; by default by single steps, and with cohesion by load stepping.
-    observables : tuple of Observable
+    observables : sequence of Observable
         What is measured besides what every run measures.
     title : str
         One line that says what happens.
@@ -156,18 +157,18 @@ class BodyScene:
         If a value is not allowed.
     """
 
-    bodies: tuple[Body, ...]
-    supports: tuple[BodySupport, ...] = ()
+    bodies: Sequence[Body]
+    supports: Sequence[BodySupport] = ()
     size: float | None = None
     order: int = 2
     levels: int | tuple[float, ...] = 10
     steps: int | None = None
     contact: Any = field(default_factory=lambda: default_of("contact"))
-    loads: tuple[Any, ...] = ()
-    refinements: tuple[Refinement, ...] = ()
+    loads: Sequence[Any] = ()
+    refinements: Sequence[Refinement] = ()
     cohesion: Any = None
     strategy: Any = None
-    observables: tuple[Any, ...] = ()
+    observables: Sequence[Any] = ()
     title: str = ""
 
     def __post_init__(self) -> None:

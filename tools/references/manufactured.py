@@ -96,7 +96,7 @@ class Exact:
         """Contact pressure per reference length, at places on the lower wall."""
         step = 1e-30
         slopes = [part.imag / step for part in _curve(below + 1j * step, np)]
-        return self.pressure(below) * np.hypot(*slopes)
+        return np.asarray(self.pressure(below) * np.hypot(*slopes))
 
     def gradient(self, body: str) -> Any:
         """Displacement gradient of a body, a coefficient function."""
