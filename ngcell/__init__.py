@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from ngcell.geometry.user_bodies.block import Block
     from ngcell.geometry.user_bodies.disc import Disc
     from ngcell.geometry.user_bodies.ring import Ring
+    from ngcell.mechanics.applied.body_force import BodyForce
+    from ngcell.mechanics.applied.boundary_pressure import Pressure
+    from ngcell.mechanics.applied.traction import Traction
     from ngcell.mechanics.laws.custom import CustomLaw
     from ngcell.mechanics.laws.fibres import ExponentialFibres, QuadraticFibres
     from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
@@ -38,16 +41,13 @@ if TYPE_CHECKING:
         Body,
         BodyCase,
         BodyExpected,
-        BodyForce,
         BodyMeshChoice,
         BodyScene,
         BodySupport,
         Case,
         Expected,
         MeshChoice,
-        Pressure,
         Refinement,
-        Traction,
         read_case,
         register,
     )
@@ -75,6 +75,9 @@ _PLACES = {
     "ngcell.geometry.user_bodies.block": ("Block",),
     "ngcell.geometry.user_bodies.disc": ("Disc",),
     "ngcell.geometry.user_bodies.ring": ("Ring",),
+    "ngcell.mechanics.applied.body_force": ("BodyForce",),
+    "ngcell.mechanics.applied.boundary_pressure": ("Pressure",),
+    "ngcell.mechanics.applied.traction": ("Traction",),
     "ngcell.mechanics.laws.custom": ("CustomLaw",),
     "ngcell.mechanics.laws.fibres": ("ExponentialFibres", "QuadraticFibres"),
     "ngcell.mechanics.laws.mooney_rivlin": ("MooneyRivlin",),
@@ -92,8 +95,8 @@ _PLACES = {
     "ngcell.results.quantities": ("View",),
     "ngcell.run": ("inspect", "record", "resume", "simulate"),
     "ngcell.scene": (
-        "Body", "BodyCase", "BodyExpected", "BodyForce", "BodyMeshChoice", "BodyScene", "BodySupport", "Case",
-        "Expected", "MeshChoice", "Pressure", "Refinement", "Traction", "read_case", "register",
+        "Body", "BodyCase", "BodyExpected", "BodyMeshChoice", "BodyScene", "BodySupport", "Case", "Expected",
+        "MeshChoice", "Refinement", "read_case", "register",
     ),
     "ngcell.solve.options": ("SolverOptions",),
     "ngcell.solve.strategies.load_stepping": ("LoadStepping",),

@@ -7,22 +7,22 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import asdict
+from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic, perf_counter, process_time
 from typing import Any
 
 from threadpoolctl import threadpool_limits
 
+from ngcell.build.additions import Additions
 from ngcell.build.checkpoint import Checkpoint
 from ngcell.build.penalty_error import check_has_penalty, stiffer_result
+from ngcell.build.run_summary import onset_of_growth, reached, run_summary
 from ngcell.build.simulation import Simulation
 from ngcell.clock import Clock, OutOfTime
 from ngcell.errors import CaseError, NotConverged
 from ngcell.export import Restart, ResultFolder, cannot_resume
 from ngcell.mechanics.symbolic import assembly_threads
-from ngcell.results.certificate import worst
-from ngcell.results.growth import growth_onset
 from ngcell.results.record import StepRecord
 from ngcell.results.report import StepReport
 from ngcell.scene import AnyCase, BodyScene, resolved_toml
@@ -37,6 +37,45 @@ _UNKNOWNS_FOR_THREADS = 50_000
 _NOT_AS_EXPECTED = "converged, but a number is not as the case expects; see the expected numbers for which one"
 
 
+@dataclass(frozen=True)
+class RecordingOptions:
+    """How a run is recorded; no number of its result depends on it.
+
+    Attributes
+    ----------
+    threads : int, optional
+        Number of threads of large scenes, by default one for each core and never more; small scenes use one.
+    verify_penalty : bool
+        Whether the last level is repeated with a stiffer penalty, to report how far the result moves.
+    force : bool
+        Whether accepted steps of an earlier run that the folder holds may be replaced.
+    max_minutes : float, optional
+        Time on the clock after which the run ends, > 0; by default it takes as long as it needs.
+    pictures : bool
+        Whether pictures are drawn at the end.
+
+    Raises
+    ------
+    CaseError
+        `max_minutes` is no time.
+    """
+
+    threads: int | None = None
+    verify_penalty: bool = False
+    force: bool = False
+    max_minutes: float | None = None
+    pictures: bool = True
+
+    def __post_init__(self) -> None:
+        if self.max_minutes is not None and not self.max_minutes > 0:
+            raise CaseError(f"max_minutes = {self.max_minutes}; allowed: a number > 0")
+
+    @property
+    def end(self) -> float | None:
+        """When a run that begins now has to end, as `time.monotonic` tells it [s]."""
+        return None if self.max_minutes is None else monotonic() + 60 * self.max_minutes
+
+
 class Recording:
     """A run that writes its result folder as it goes: iterate over it to run it.
 
@@ -46,17 +85,12 @@ class Recording:
         What is simulated.
     out : Path
         The result folder.
-    threads : int, optional
-        Number of threads of large scenes, by default one for each core and never more; small scenes use one. Results
-        do not depend on it.
-    verify_penalty : bool
-        Whether the last level is repeated with a stiffer penalty, to report how far the result moves.
+    additions : Additions
+        What a script adds to it.
+    options : RecordingOptions
+        How it is recorded.
     restart : Restart, optional
         Where an earlier run into this folder stood; this one goes on from there.
-    force : bool
-        Whether accepted steps of an earlier run that the folder holds may be replaced.
-    max_minutes : float, optional
-        Time on the clock after which the run ends, > 0; by default it takes as long as it needs.
 
     Attributes
     ----------
@@ -74,7 +108,7 @@ class Recording:
     OutputError
         While iterating: the folder cannot be used or written.
     CaseError
-        While iterating: the scene cannot be meshed. At once: `max_minutes` is no time.
+        While iterating: the scene cannot be meshed. At once: there is no penalty to verify.
     """
 
     def __init__(
@@ -82,34 +116,27 @@ class Recording:
         case: AnyCase | BodyScene,
         out: Path,
         *,
-        threads: int | None = None,
-        verify_penalty: bool = False,
+        additions: Additions,
+        options: RecordingOptions,
         restart: Restart | None = None,
-        force: bool = False,
-        max_minutes: float | None = None,
     ) -> None:
-        if max_minutes is not None and not max_minutes > 0:
-            raise CaseError(f"max_minutes = {max_minutes}; allowed: a number > 0")
-        if verify_penalty:
+        if options.verify_penalty:
             check_has_penalty(case)
-        self._case, self._out, self._threads = case, Path(out), threads
-        self._verify_penalty, self._restart = verify_penalty, restart
-        self._force, self._max_minutes = force, max_minutes
+        self._case, self._out, self._additions = case, Path(out), additions
+        self._options, self._restart = options, restart
         self.summary: dict[str, Any] = {}
         self.outcome, self.certified = Outcome.STOPPED.value, False
 
     def __iter__(self) -> Iterator[StepRecord]:
-        clock = Clock(None if self._max_minutes is None else monotonic() + 60 * self._max_minutes)
+        clock = Clock(self._options.end)
         clock.seconds["imports"] = process_time()
         steps = list(self._restart.reports) if self._restart else []
         started = perf_counter()
-        with ResultFolder(
-            self._out, case_text=resolved_toml(self._case), restart=self._restart, force=self._force
-        ) as folder:
-            simulation = Simulation(self._case, clock)
+        with self._folder() as folder:
+            simulation = self._additions.simulation(self._case, clock)
             checkpoint = self._checkpoint(simulation)
             outcome, message, verified = None, "", None
-            with use_threads(self._threads, simulation.space.unknowns):
+            with use_threads(self._options.threads, simulation.space.unknowns):
                 try:
                     for step in simulation.accepted_steps(checkpoint):
                         with clock.phase("output"):
@@ -129,11 +156,11 @@ class Recording:
                     message = f"at load factor {failure.load_factor:.6g}: {outcome.value}"
                 except OutOfTime:
                     outcome = Outcome.OUT_OF_TIME
-                    message = f"beyond load factor {_reached(steps):.6g}: {outcome.value}"
+                    message = f"beyond load factor {reached(steps):.6g}: {outcome.value}"
             self._judge(steps, outcome)
             with clock.phase("pictures"):
-                folder.draw(title=self._case.title, certified=self.certified, onset=_onset(simulation, steps))
-            self.summary = _summary(self._case.title, simulation, steps, self.outcome, self.certified)
+                folder.draw(title=self._case.title, certified=self.certified, onset=onset_of_growth(simulation, steps))
+            self.summary = run_summary(self._case.title, simulation, steps, self.outcome, self.certified)
             if verified is not None:
                 self.summary["stiffer_penalty"] = verified
             self.summary["seconds"] = _seconds(clock, perf_counter() - started)
@@ -141,6 +168,12 @@ class Recording:
                 folder.finish(self.summary)
             if outcome is not None:
                 raise NotConverged(message, outcome=outcome.name, steps=tuple(steps))
+
+    def _folder(self) -> ResultFolder:
+        text, options = recorded_text(self._case, self._additions), self._options
+        return ResultFolder(
+            self._out, case_text=text, restart=self._restart, force=options.force, pictures=options.pictures
+        )
 
     def _checkpoint(self, simulation: Simulation) -> Checkpoint:
         """Return where the load path starts."""
@@ -155,11 +188,11 @@ class Recording:
             raise cannot_resume(self._out, f"the checkpoint does not fit the case ({error})") from error
 
     def _verified(self, steps: list[StepReport], simulation: Simulation) -> dict[str, Any] | None:
-        if not self._verify_penalty:
+        if not self._options.verify_penalty:
             return None
         raised = getattr(simulation.contact, "raised", 1.0)
         try:
-            return stiffer_result(self._case, steps[-1], raised, end=simulation.clock.end)
+            return stiffer_result(self._case, self._additions, steps[-1], raised, end=simulation.clock.end)
         except StepFailed as failure:
             return {"failed": failure.outcome.value}
         except OutOfTime:
@@ -173,71 +206,9 @@ class Recording:
         self.outcome = (failure or ended).value if as_expected or not in_balance else _NOT_AS_EXPECTED
 
 
-def _summary(
-    title: str, simulation: Simulation, steps: list[StepReport], outcome: str, certified: bool
-) -> dict[str, Any]:
-    """Return what `summary.json` holds of a run."""
-    last = steps[-1] if steps else None
-    checks = worst(step.certificate for step in steps)
-    return {
-        "title": title,
-        "outcome": outcome,
-        "certified": certified,
-        "certificate": {
-            name: {
-                "worst": check.value,
-                "limit": check.limit,
-                "passed": check.passed,
-                **({"place": check.place} if check.place else {}),
-            }
-            for name, check in checks.items()
-        },
-        "meaning_of_checks": {name: check.meaning for name, check in checks.items()},
-        "expected": [finding.table() for step in steps for finding in step.findings],
-        "failed_steps": {step.record.step: step.certificate.failures for step in steps if not step.record.certified},
-        "accuracy": simulation.accuracy,
-        "accepted_steps": len(steps),
-        "bodies": simulation.bodies.body_count,
-        "unknowns": simulation.space.unknowns,
-        "meshes": simulation.refinement.table(),
-        "facing_pairs": len(simulation.setup.facing.pairs),
-        "held_by_nothing": last.free_bodies if last else (),
-        "changes_of_branch": {
-            step.record.step: {"unstored_work": step.unstored_work}
-            for step in steps
-            if step.record.phase == "released" and step.unstored_work != 0
-        },
-        "debonding": next((step.debonding for step in reversed(steps) if step.debonding), {}),
-        "onset_of_growth": _onset(simulation, steps),
-        "onset_is_a_bound": _onset_is_a_bound(simulation, steps),
-        "iterations": sum(step.record.iterations for step in steps),
-        "factorisations": sum(step.record.factorisations for step in steps),
-        "refused": sum(step.refused for step in steps),
-        "cut_backs": sum(step.cutbacks for step in steps),
-        "last_step": asdict(last.record) if last else None,
-    }
-
-
-def _reached(steps: list[StepReport]) -> float:
-    """Return the load factor that has been reached."""
-    return steps[-1].record.load_factor if steps else 0.0
-
-
-def _released(steps: list[StepReport]) -> list[StepRecord]:
-    return [step.record for step in steps if step.record.phase == "released"]
-
-
-def _onset_is_a_bound(simulation: Simulation, steps: list[StepReport]) -> bool:
-    """Return whether gaps had grown at the first level already, and nobody knows how much earlier."""
-    contact, onset = _released(steps), _onset(simulation, steps)
-    starts_later = bool(contact) and contact[0].load_factor > 0 and not simulation.starts_at_rest
-    return starts_later and onset == contact[0].plate_displacement
-
-
-def _onset(simulation: Simulation, steps: list[StepReport]) -> float | None:
-    contact = _released(steps)
-    displacement, mean = [row.plate_displacement for row in contact], [row.mean_gap for row in contact]
-    return growth_onset(displacement, mean, simulation.bodies.thickness, at_rest=simulation.mean_gap_at_rest)
+def recorded_text(case: AnyCase | BodyScene, additions: Additions) -> str:
+    """Return what `case.toml` says of a run: the case, and as comments what a script added to it."""
+    return resolved_toml(case) + additions.told
 
 
 def _seconds(clock: Clock, wall: float) -> dict[str, Any]:

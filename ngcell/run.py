@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ngcell.build.additions import Additions, told_additions
 from ngcell.build.memory import entry_count, foreseen_memory, solver_name
 from ngcell.build.observation import Step
 from ngcell.build.options import Options
@@ -15,9 +16,9 @@ from ngcell.build.simulation import OwnTerm, Simulation
 from ngcell.contact.pairing.facing import count_corners
 from ngcell.errors import CaseError, NotConverged, OutputError
 from ngcell.export import accepted_steps, cannot_resume, read_restart, read_summary, restore_case
-from ngcell.recording import Recording, use_threads
+from ngcell.recording import Recording, RecordingOptions, recorded_text, use_threads
 from ngcell.results.observables.observable import Observable
-from ngcell.scene import AnyCase, BodyScene, read_case, resolved_toml
+from ngcell.scene import AnyCase, BodyScene, read_case
 from ngcell.scene.written_bodies import is_from_python
 from ngcell.solve.step import StepFailed
 from ngcell.solve.strategies.strategy import Strategy
@@ -51,7 +52,7 @@ def simulate(
     NotConverged
         If a step finds no equilibrium; the error holds the steps that were accepted before.
     """
-    simulation = Simulation(scene, terms=terms, observables=observables, strategy=strategy, options=options)
+    simulation = Additions(terms, observables, strategy, options).simulation(scene)
     steps: list[Step] = []
     try:
         with use_threads(None, simulation.space.unknowns):
@@ -67,26 +68,38 @@ def record(
     case: AnyCase | BodyScene,
     out: Path,
     *,
+    terms: Sequence[OwnTerm] = (),
+    observables: Sequence[Observable] = (),
+    strategy: Strategy | None = None,
+    options: Options | None = None,
     threads: int | None = None,
     verify_penalty: bool = False,
     force: bool = False,
     max_minutes: float | None = None,
+    pictures: bool = True,
 ) -> Recording:
     """Return a run of a case, or of a scene from Python, into a result folder; iterate over it to run it.
 
     Where the folder holds accepted steps of an earlier run, it is refused unless `force` is given; they are then
-    replaced when this run accepts its first step. For the other parameters see `Recording`.
+    replaced when this run accepts its first step. For `terms` to `options` see `simulate`, for the others
+    `ngcell.recording.RecordingOptions`.
     """
-    return Recording(case, out, threads=threads, verify_penalty=verify_penalty, force=force, max_minutes=max_minutes)
+    how = RecordingOptions(threads, verify_penalty, force, max_minutes, pictures)
+    return Recording(case, out, additions=Additions(terms, observables, strategy, options), options=how)
 
 
 def resume(
     out: Path,
     *,
     scene: BodyScene | None = None,
+    terms: Sequence[OwnTerm] = (),
+    observables: Sequence[Observable] = (),
+    strategy: Strategy | None = None,
+    options: Options | None = None,
     threads: int | None = None,
     verify_penalty: bool = False,
     max_minutes: float | None = None,
+    pictures: bool = True,
 ) -> Recording:
     """Return the rest of a run that stopped; iterate over it to run it.
 
@@ -98,31 +111,45 @@ def resume(
         Its result folder.
     scene : BodyScene, optional
         The scene of a run that was made from Python, which no file holds in full.
-    threads : int, optional
-        Number of threads.
-    verify_penalty : bool
-        Whether the last level is repeated with a stiffer penalty.
+    terms, observables, strategy, options
+        What the run was given by a script, as for `simulate`; no file holds it.
+    threads, verify_penalty, max_minutes, pictures
+        As for `record`.
 
     Raises
     ------
     OutputError
-        If the folder holds no run, or one that has ended, or is damaged, or is of another scene.
+        If the folder holds no run, or one that has ended, or is damaged, or is of another scene or other additions.
     """
-    how: dict[str, Any]
-    out, how = Path(out), {"threads": threads, "verify_penalty": verify_penalty, "max_minutes": max_minutes}
+    out = Path(out)
+    additions = Additions(terms, observables, strategy, options)
+    how = RecordingOptions(threads, verify_penalty, False, max_minutes, pictures)
     summary = read_summary(out)
     if summary.get("status") == "finished":
         raise OutputError(f"{out} needs no resuming: the run has ended ({summary.get('outcome')})")
     count = accepted_steps(out, summary)
     restore_case(out, summary)
     case = scene or _recorded_case(out)
+    _check_additions(out, additions)
     if not count:
-        return Recording(case, out, **how)
+        return Recording(case, out, additions=additions, options=how)
     restart = read_restart(out)
-    if restart.case_text != resolved_toml(case):
+    if restart.case_text != recorded_text(case, additions):
         what = "case.toml is not the case of this run any more" if scene is None else "it was made from another scene"
         raise cannot_resume(out, what)
-    return Recording(case, out, restart=restart, **how)
+    return Recording(case, out, additions=additions, options=how, restart=restart)
+
+
+def _check_additions(out: Path, additions: Additions) -> None:
+    """Check that what a script adds is what it added before the stop, as far as objects tell what they are."""
+    file = out / "case.toml"
+    told = told_additions(file.read_text(encoding="utf-8", errors="replace")) if file.is_file() else ""
+    if told != additions.told:
+        before, now = (", ".join(text.splitlines()) or "nothing" for text in (told, additions.told))
+        raise OutputError(
+            f"cannot resume {out}: its script had added {before}; now it adds {now}; "
+            f'hand over the same again: ngcell.resume("{out}", ...)'
+        )
 
 
 def _recorded_case(out: Path) -> AnyCase:

@@ -145,8 +145,8 @@ class Solution:
         edges = view.edges(boundary)
         count = len(nominal) // len(edges)
         edge, xi = np.repeat(edges, count), np.tile((np.arange(count) + 0.5) / count, len(edges))
-        places = (view.walls.places(edge, xi, nodes) for nodes in (view.walls.rest, view.nodes))
-        return WallPressures(*places, nominal, length, length_deformed, edge)
+        place, moved = (view.walls.places(edge, xi, nodes) for nodes in (view.walls.rest, view.nodes))
+        return WallPressures(place, moved, nominal, length, length_deformed, edge)
 
     def wall_samples(self, body: int) -> WallSamples:
         """Return the contact forces on the walls of a body."""
@@ -179,4 +179,4 @@ def solved(scene: Any) -> Solution:
 def meshed(scene: Any) -> tuple[ngsolve.Mesh, float]:
     """Return the mesh of a scene that is not solved, and the plane-strain modulus of its softest body [stress]."""
     built = discretise(scene)
-    return built.space.bodies.mesh, min(law.plane_strain_modulus for law in built.walls)
+    return built.space.mesh, min(law.plane_strain_modulus for law in built.walls)

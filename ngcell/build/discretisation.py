@@ -16,13 +16,13 @@ from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.prisms import along_and_up
 from ngcell.geometry.rings import along_walls
 from ngcell.geometry.shapes import check_boundaries, mesh_shapes
+from ngcell.mechanics.applied.potential import AppliedLoads
 from ngcell.mechanics.bulk import BodyEnergy
 from ngcell.mechanics.laws.law import HyperelasticLaw
-from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.mechanics.term import Term
-from ngcell.scene import Body, BodyCase, BodyForce, BodyScene, Case
+from ngcell.scene import Body, BodyCase, BodyScene, Case
 
 Array = NDArray[np.float64]
 
@@ -85,7 +85,7 @@ def _tissue(case: Case) -> Discretisation:
     if lumen is not None:
         terms += lumen.terms(space, motion, tissue, wall)
     if tractions:
-        terms.append(BoundaryLoads(space, tractions, motion))
+        terms.append(AppliedLoads(space, tractions, motion))
     return Discretisation(
         space=space,
         walls=(wall,) * bodies.body_count,
@@ -115,7 +115,7 @@ def _user_defined(case: BodyCase) -> BodyScene:
         levels=case.levels,
         steps=case.steps,
         contact=case.contact,
-        loads=tuple(load.resolved for load in case.loads),
+        loads=case.loads,
         refinements=case.mesh.refine,
         cohesion=case.cohesion,
     )
@@ -134,7 +134,7 @@ def _bodies(scene: BodyScene) -> Discretisation:
     motion, laws = PrescribedMotion(space, supports), tuple(body.material for body in scene.bodies)
     terms: list[Term] = [BodyEnergy(space, laws, _fibre_directions(scene, bodies))]
     if scene.loads:
-        terms.append(BoundaryLoads(space, scene.loads, motion))
+        terms.append(AppliedLoads(space, scene.loads, motion))
     return Discretisation(
         space=space,
         walls=laws,
@@ -158,7 +158,7 @@ def _mesh(scene: BodyScene) -> BodyMesh:
     )
     check_boundaries(bodies, untouched, wanted_by="untouched edge")
     check_boundaries(bodies, [support.boundary for support in scene.supports])
-    loaded = [load.boundary for load in scene.loads if not isinstance(load, BodyForce)]
+    loaded = [load.boundary for load in scene.loads if load.boundary is not None]
     check_boundaries(bodies, loaded, wanted_by="load")
     return bodies
 

@@ -20,7 +20,7 @@ from ngcell.problem.state import State
 from ngcell.results.cells import cell_records, debonding
 from ngcell.results.checks import Path
 from ngcell.results.error import ERROR_NAMES, NO_ERRORS, Errors
-from ngcell.results.fields import Label, take_snapshot
+from ngcell.results.fields import take_fields
 from ngcell.results.finding import Finding, compare
 from ngcell.results.measure import Measurement, Setup, WorkPoint, mean_and_largest, measure
 from ngcell.results.observables.observable import Observable, observed
@@ -217,14 +217,14 @@ class Observer:
         pressed = pressed_lengths(self._setup.walls, facing.pairs, view.problem, at)
         held = cell_fields(view.problem.terms, at, record.load_factor)
         free = np.isin(np.arange(self._bodies.body_count), measured.free_bodies).astype(np.int64)
-        snapshot = take_snapshot(
+        bulk, walls = take_fields(
             view.problem,
             at,
-            Label(record.step, record.load_factor, record.plate_displacement),
             walls=self._setup.walls,
             wall_data={"gap": gap, "contact_pressure": pressure},
             body_data={"free": free, **held, **fields},
         )
+        snapshot = Snapshot(record.step, record.load_factor, record.plate_displacement, bulk, walls)
         cells = cell_records(components, measured, record.step, record.plate_displacement, held.get("cell_pressure"))
         return replace(
             step,

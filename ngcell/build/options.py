@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from ngcell.contact.methods.stages import ContactOptions
+from ngcell.contact.options import ContactOptions
 from ngcell.solve.options import SolverOptions
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from ngcell.build.simulation import Simulation
+from ngcell.build.additions import Additions
 from ngcell.clock import Clock
 from ngcell.errors import CaseError
 from ngcell.results.report import StepReport
@@ -30,7 +30,12 @@ def check_has_penalty(case: AnyCase | BodyScene) -> None:
 
 
 def stiffer_result(
-    case: AnyCase | BodyScene, last: StepReport, raised: float = 1.0, *, end: float | None = None
+    case: AnyCase | BodyScene,
+    additions: Additions,
+    last: StepReport,
+    raised: float = 1.0,
+    *,
+    end: float | None = None,
 ) -> dict[str, Any]:
     """Return what the last level of a case becomes with a stiffer penalty.
 
@@ -38,6 +43,8 @@ def stiffer_result(
     ----------
     case : Case, BodyCase or BodyScene
         The case, with contact by penalty.
+    additions : Additions
+        What a script adds to it.
     last : StepReport
         Its last accepted step, at its own stiffness.
     raised : float
@@ -68,7 +75,7 @@ def stiffer_result(
     if isinstance(case, Case):
         load = case.load.model_copy(update={"levels": (case.level_factors[-1],)})
         stiffer = case.model_copy(update={"contact": contact, "expected": (), "load": load})
-    *_, step = Simulation(stiffer, Clock(end)).accepted_steps()
+    *_, step = additions.simulation(stiffer, Clock(end)).accepted_steps()
     overlaps = [_overlap(taken) for taken in (last, step.report)]
     table = {name: _compared(getattr(last.record, name), getattr(step.record, name)) for name in _COMPARED}
     return {"stiffness_factor": STIFFER, **table, "penetration_over_wall": _compared(*overlaps)}

@@ -137,7 +137,7 @@ class Simulation:
         """What holds walls together, if anything does."""
         if self._case.cohesion is None:
             return ()
-        return (CohesionTerm(bond_walls(self.walls, self._case.cohesion)),)
+        return (CohesionTerm(bond_walls(self.walls, self._case.cohesion, self.options.contact)),)
 
     @cached_property
     def _volume_stages(self) -> tuple[tuple[Term, ...], ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -80,6 +81,14 @@ def draw_debonding(
     if not certified:
         mark_uncertified(figure)
     return save_png(figure, path)
+
+
+def read_last_pairs(path: Path) -> list[PairOnset]:
+    """Return the wall pairs, with their onsets, of the last level in a table."""
+    with path.open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    last = [row for row in rows if row["step"] == rows[-1]["step"]]
+    return [(int(row["cell_a"]), int(row["cell_b"]), float(row["onset"])) for row in last]
 
 
 def _curve(axes: Axes, load: NDArray[Any], values: Sequence[float], label: str, colour: str) -> None:

@@ -10,7 +10,6 @@ step of its own: a case that turns out to be wrong costs nobody a result.
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -23,7 +22,7 @@ from numpy.typing import NDArray
 from ngcell.errors import OutputError
 from ngcell.export.atomic import output_errors, replace_file
 from ngcell.export.curves import draw_curves
-from ngcell.export.debonding import PairOnset, draw_debonding
+from ngcell.export.debonding import PairOnset, draw_debonding, read_last_pairs
 from ngcell.export.ownership import CASE_FILE, PROGRAM, claim_folder, clear_folder, holds_result
 from ngcell.export.picture import draw_tissue
 from ngcell.export.restart import RESTART, Restart, cannot_resume, read_restart, write_restart
@@ -54,6 +53,8 @@ class ResultFolder:
         The resolved case, written as `case.toml`.
     restart : Restart, optional
         Checkpoint of the run that stopped in this folder; what it wrote up to there is kept, and the run goes on.
+    pictures : bool
+        Whether `draw` and `finish` draw pictures.
 
     Raises
     ------
@@ -69,11 +70,16 @@ class ResultFolder:
     """
 
     def __init__(
-        self, path: Path, *, case_text: str | None = None, restart: Restart | None = None, force: bool = False
+        self,
+        path: Path,
+        *,
+        case_text: str | None = None,
+        restart: Restart | None = None,
+        force: bool = False,
+        pictures: bool = True,
     ) -> None:
-        self.path, self._force = Path(path), force
-        self._case_text = case_text
-        self._restart = restart
+        self.path, self._force, self._pictures = Path(path), force, pictures
+        self._case_text, self._restart = case_text, restart
         self._reports = list(restart.reports) if restart else []
         self._history = [report.record for report in self._reports]
         self._last: Snapshot | None = None
@@ -131,7 +137,7 @@ class ResultFolder:
                 raise cannot_resume(self.path, f"{name} is not the table that it was")
         try:
             self._open_tables({name: restart.table_sizes[name] for name in _TABLES})
-            self._pairs = _last_pairs(self.path / "walls.csv")
+            self._pairs = read_last_pairs(self.path / "walls.csv")
         except (OutputError, KeyError) as error:
             raise cannot_resume(self.path, str(error)) from error
         self._series.write_list()
@@ -223,7 +229,7 @@ class ResultFolder:
             If a picture cannot be written.
         """
         self._drawn = True
-        if not self._is_open:
+        if not (self._is_open and self._pictures):
             return
         if self._last is None and self._series.snapshots:
             self._last, _ = read_last_snapshot(self.path)
@@ -290,11 +296,3 @@ def _checksum(path: Path, size: int) -> int:
     """Return the CRC-32 of the first bytes of a file."""
     with output_errors(path), path.open("rb") as file:
         return crc32(file.read(size))
-
-
-def _last_pairs(path: Path) -> list[PairOnset]:
-    """Return the wall pairs, with their onsets, of the last level in a table."""
-    with path.open(newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    last = [row for row in rows if row["step"] == rows[-1]["step"]]
-    return [(int(row["cell_a"]), int(row["cell_b"]), float(row["onset"])) for row in last]

@@ -9,6 +9,7 @@ from typing import Protocol, TypeVar
 import netgen.meshing
 import ngsolve
 import numpy as np
+from netgen import occ
 from numpy.typing import NDArray
 
 from ngcell.errors import GeometryError
@@ -17,6 +18,9 @@ from ngcell.scene.entries import PLAIN_NAME
 
 Array = NDArray[np.float64]
 Elements = NDArray[np.void]
+
+#: What Netgen raises where it cannot make a mesh: its own error, that of OpenCASCADE, and what Python makes of others.
+NETGEN_ERRORS = (netgen.meshing.NgException, occ.OCCException, RuntimeError)
 
 
 class ClosedBoundary(Protocol):

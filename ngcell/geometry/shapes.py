@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from ngcell.errors import GeometryError
 from ngcell.geometry.bodies import BodyMesh
-from ngcell.geometry.boundaries import are_apart, named_bodies
+from ngcell.geometry.boundaries import NETGEN_ERRORS, are_apart, named_bodies
 from ngcell.geometry.near import components
 from ngcell.geometry.sizes import sizes
 from ngcell.scene.entries import check_unique_names
@@ -177,7 +177,7 @@ def _netgen_mesh(
 ) -> netgen.meshing.Mesh:
     try:
         mesh = occ.OCCGeometry(occ.Compound(list(faces)), dim=2).GenerateMesh(mp=meshing)
-    except Exception as error:  # noqa: BLE001 - Netgen raises its own and standard exceptions alike
+    except NETGEN_ERRORS as error:
         raise GeometryError(f"bodies {', '.join(names)}: Netgen cannot mesh them ({error})") from error
     if not are_apart(mesh.Elements2D().NumPy(), 3, len(faces)):
         raise GeometryError(

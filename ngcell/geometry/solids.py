@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ngcell.errors import GeometryError
 from ngcell.geometry.bodies import BodyMesh
-from ngcell.geometry.boundaries import are_apart, named_bodies
+from ngcell.geometry.boundaries import NETGEN_ERRORS, are_apart, named_bodies
 from ngcell.geometry.enclosure import winding_numbers
 from ngcell.geometry.near import components
 from ngcell.geometry.sizes import sizes
@@ -84,7 +84,7 @@ def _netgen_mesh(solids: Sequence[occ.Solid], names: Sequence[str], size: float)
     meshing = netgen.meshing.MeshingParameters(maxh=size, parallel_meshing=False)
     try:
         mesh = occ.OCCGeometry(occ.Compound(list(solids)), dim=3).GenerateMesh(mp=meshing)
-    except Exception as error:  # noqa: BLE001 - Netgen raises its own and standard exceptions alike
+    except NETGEN_ERRORS as error:
         raise GeometryError(f"bodies {', '.join(names)}: Netgen cannot mesh them ({error})") from error
     if not are_apart(mesh.Elements3D().NumPy(), 4, len(solids)):
         raise GeometryError(

@@ -59,7 +59,7 @@ class BodyEnergy(SymbolicTerm):
             energy = law.stored_energy(gradient)
             if law.fibres is not None:
                 energy += law.fibres.stored_energy(gradient, direction)
-            region = self.space.bodies.mesh.Materials(members)
+            region = self.space.mesh.Materials(members)
             yield energy.Compile() * ngsolve.dx(definedon=region, bonus_intorder=self._extra)
 
     def finer(self, extra_degrees: int) -> BodyEnergy:
@@ -108,7 +108,7 @@ class InclusionEnergy(SymbolicTerm):
     def integrals(self, displacement: ngsolve.CoefficientFunction) -> Integrals:
         """Return the isochoric energy, and the volumetric one by a reduced rule."""
         gradient = ngsolve.Id(self.space.dimension) + ngsolve.Grad(displacement)
-        region = self.space.bodies.mesh.Materials(FILLING)
+        region = self.space.mesh.Materials(FILLING)
         isochoric, volumetric = (part.Compile() for part in self.law.energy_parts(gradient))
         return [isochoric * ngsolve.dx(definedon=region, bonus_intorder=self._extra), volumetric * self._reduced]
 
@@ -122,9 +122,9 @@ class InclusionEnergy(SymbolicTerm):
     @property
     def _reduced(self) -> ngsolve.comp.DifferentialSymbol:
         """The measure of the volumetric energy: as many points in each direction as the order."""
-        kind = ngsolve.ET.QUAD if self.space.dimension == 2 else ngsolve.ET.HEX
-        rule = {kind: ngsolve.IntegrationRule(kind, 2 * self.space.order - 1)}
-        return ngsolve.dx(definedon=self.space.bodies.mesh.Materials(FILLING), intrules=rule)
+        kinds, degree = (ngsolve.ET.QUAD, ngsolve.ET.HEX), 2 * self.space.order - 1
+        rules = {kind: ngsolve.IntegrationRule(kind, degree) for kind in kinds}
+        return ngsolve.dx(definedon=self.space.mesh.Materials(FILLING), intrules=rules)
 
     def stress(self, gradient: Array, element: Index) -> Array:
         """Return the Cauchy stress [stress], shape (n, 3, 3); zero in walls."""
@@ -165,7 +165,7 @@ class InclusionEnergy(SymbolicTerm):
 
 def _by_element(space: DisplacementSpace, values: Array) -> tuple[ngsolve.GridFunction, ...]:
     """Return functions that are constant in each element, from values of shape (elements, components)."""
-    functions = tuple(ngsolve.GridFunction(ngsolve.L2(space.bodies.mesh, order=0)) for _ in values.T)
+    functions = tuple(ngsolve.GridFunction(ngsolve.L2(space.mesh, order=0)) for _ in values.T)
     for function, column in zip(functions, values.T, strict=True):
         function.vec.FV().NumPy()[:] = column
     return functions

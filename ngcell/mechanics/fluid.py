@@ -15,18 +15,16 @@ the pace. Each lumen adds a full block over the unknowns of its outline to the t
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ngcell.mechanics.loads import BoundaryLoads
+from ngcell.mechanics.applied.boundary_pressure import Pressure
+from ngcell.mechanics.applied.potential import AppliedLoads
 from ngcell.mechanics.report import Check, Scales
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.mechanics.term import Configuration, Drive, Role, Term
-from ngcell.scene import Pressure
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -74,7 +72,7 @@ class LumenFluids(Term):
         lumen = np.searchsorted(self.body, space.body_of_unknown[outline])
         self._lumen = np.tile(lumen, space.dimension)
         self._swept = (_Outlines if space.dimension == 2 else _Surfaces)(space, region, self._member)
-        self._size, self._dimension, self._bodies = space.unknowns, space.dimension, space.bodies.body_count
+        self._size, self._dimension, self._bodies = space.unknowns, space.dimension, space.body_count
         self._modulus, self._fill, self._in_full = modulus, fill, in_full
         # Bodies are blown up to twice their size.
         self.area = self._risen(space.rest.ravel()) / (2**space.dimension - 1)
@@ -182,7 +180,7 @@ class LumenFluids(Term):
         assert isinstance(coarse, LumenFluids)
         self.pressure = coarse.pressures(at.displacement)
 
-    def update_multipliers(self, at: Configuration, stored: Callable[[], float]) -> tuple[float, float]:
+    def update_multipliers(self, at: Configuration, stored: float) -> tuple[float, float]:
         """Take over the pressures of an equilibrium; return by how much areas were off, as a length [length], and the
         energy of that in the liquids [stress * length**2]."""
         surplus = self._surplus(at.displacement)
@@ -281,8 +279,8 @@ class _Surfaces:
         return np.asarray(-self._swept.form.tangent(displacement).data[self._lower])
 
 
-def _unit_pressure(space: DisplacementSpace, region: str) -> BoundaryLoads:
+def _unit_pressure(space: DisplacementSpace, region: str) -> AppliedLoads:
     """Return a unit pressure, whose potential is what the boundary sweeps out of the lumen."""
-    loads = BoundaryLoads(space, [Pressure(region, 1.0)], PrescribedMotion(space, []))
+    loads = AppliedLoads(space, [Pressure(boundary=region, value=1.0)], PrescribedMotion(space, []))
     loads.apply(1.0)
     return loads

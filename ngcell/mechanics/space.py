@@ -38,10 +38,14 @@ class DisplacementSpace:
         Space of one component, with `size` unknowns.
     vector : ngsolve.VectorH1
         Space of displacements, with `dimension` times `size` unknowns.
+    mesh : ngsolve.Mesh
+        The mesh of all bodies.
+    body_count : int
+        Number of bodies.
     """
 
     def __init__(self, bodies: BodyMesh, order: int) -> None:
-        self.bodies = bodies
+        self.bodies, self.mesh, self.body_count = bodies, bodies.mesh, bodies.body_count
         self.order = order
         self.scalar = ngsolve.H1(bodies.mesh, order=order)
         self.vector = ngsolve.VectorH1(bodies.mesh, order=order)
@@ -57,7 +61,7 @@ class DisplacementSpace:
     def rest(self) -> Array:
         """Reference coordinates as unknowns, shape (dimension, size) [length]."""
         field = ngsolve.GridFunction(self.scalar)
-        points = np.array([vertex.point for vertex in self.bodies.mesh.vertices]).T
+        points = np.array([vertex.point for vertex in self.mesh.vertices]).T
         rows = np.zeros((self.dimension, self.size))
         for row, coordinate in zip(rows, (ngsolve.x, ngsolve.y, ngsolve.z), strict=False):
             field.Set(coordinate)
@@ -71,16 +75,16 @@ class DisplacementSpace:
     def one(self) -> Array:
         """The constant 1 as unknowns, shape (size,): bubbles are 0."""
         values = np.zeros(self.size)
-        values[: self.bodies.mesh.nv] = 1
+        values[: self.mesh.nv] = 1
         return values
 
     @cached_property
     def body_of_unknown(self) -> NDArray[np.int64]:
         """Body that each scalar unknown belongs to, shape (size,)."""
         body = np.zeros(self.size, dtype=np.int64)
-        if self.bodies.body_count == 1:
+        if self.body_count == 1:
             return body
-        for element, number in zip(self.bodies.mesh.Elements(ngsolve.VOL), self.bodies.body_of_element, strict=True):
+        for element, number in zip(self.mesh.Elements(ngsolve.VOL), self.bodies.body_of_element, strict=True):
             body[list(self.scalar.GetDofNrs(element))] = number
         return body
 
@@ -95,7 +99,7 @@ class DisplacementSpace:
 
     def region_unknowns(self, names: str) -> NDArray[np.int64]:
         """Return the scalar unknowns on the boundary regions that the regular expression names."""
-        marked = self.scalar.GetDofs(self.bodies.mesh.Boundaries(names))
+        marked = self.scalar.GetDofs(self.mesh.Boundaries(names))
         return np.flatnonzero(np.fromiter(marked, dtype=bool, count=self.size))
 
     def affine(self, gradient: Array, translation: Array) -> Array:

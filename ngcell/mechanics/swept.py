@@ -52,8 +52,8 @@ class SweptArea:
 
     def __init__(self, space: DisplacementSpace, pressures: Mapping[str, float]) -> None:
         self._space = space
-        edges = _directed_edges(space.bodies.mesh)
-        self.outward = _outward_signs(space.bodies.mesh, edges)
+        edges = _directed_edges(space.mesh)
+        self.outward = _outward_signs(space.mesh, edges)
         self._ends = _ends(space, edges, pressures)
 
     def swept(self, displacement: ngsolve.CoefficientFunction) -> ngsolve.CoefficientFunction:
@@ -86,7 +86,7 @@ class SweptVolume:
 
     def __init__(self, space: DisplacementSpace, pressures: Mapping[str, float]) -> None:
         self._space, self._pressures = space, pressures
-        self.outward = _outward_faces(space.bodies.mesh)
+        self.outward = _outward_faces(space.mesh)
         self._rim = _rim(space, pressures)
 
     def swept(self, displacement: ngsolve.CoefficientFunction) -> ngsolve.CoefficientFunction:
@@ -110,7 +110,7 @@ class SweptVolume:
         stays = motion.fixed & (moved == 0)
         flat = _FLAT * np.ptp(self._space.bodies.extent)
         for edge in self._rim:
-            mesh_edge = self._space.bodies.mesh[ngsolve.NodeId(ngsolve.EDGE, int(edge))]
+            mesh_edge = self._space.mesh[ngsolve.NodeId(ngsolve.EDGE, int(edge))]
             ends = [vertex.nr for vertex in mesh_edge.vertices]
             unknowns = ends + list(self._space.scalar.GetDofNrs(mesh_edge))
             in_plane = np.ptp(self._space.rest[:, ends], axis=1) <= flat
@@ -128,7 +128,7 @@ class SweptVolume:
         form = ngsolve.BilinearForm(self._space.vector, symmetric=True)
         trial = self._space.vector.TrialFunction()
         for region, pressure in self._pressures.items():
-            where = ngsolve.ds(definedon=self._space.bodies.mesh.Boundaries(region))
+            where = ngsolve.ds(definedon=self._space.mesh.Boundaries(region))
             form += ngsolve.Variation(pressure * self.outward * self.swept(trial) * where)
         return form
 
@@ -137,7 +137,7 @@ class SweptVolume:
         along, normal = ngsolve.Grad(at), ngsolve.specialcf.normal(3)
         turned = ngsolve.Cof(ngsolve.Id(3) + along) * normal
         for region, pressure in self._pressures.items():
-            where = ngsolve.ds(definedon=self._space.bodies.mesh.Boundaries(region))
+            where = ngsolve.ds(definedon=self._space.mesh.Boundaries(region))
             form += pressure * self.outward * (turned * test.Trace()) * where
         form.Assemble()
         return np.array(form.vec.FV().NumPy())
@@ -195,7 +195,8 @@ def _signs(mesh: ngsolve.Mesh, numbers: Array) -> ngsolve.GridFunction:
 
 def _ends(space: DisplacementSpace, edges: Index, pressures: Mapping[str, float]) -> Array:
     """Return at each scalar unknown the pressures on lines that end there minus those on lines that start there."""
-    on_edge = np.array([pressures.get(edge.mat, 0.0) for edge in space.bodies.mesh.Elements(ngsolve.BND)])
+    boundary = space.mesh.Elements(ngsolve.BND)
+    on_edge = np.array([pressures.get(edge.mat, 0.0) for edge in boundary])
     tail, head = edges.T
     ends = np.bincount(head, on_edge, space.size) - np.bincount(tail, on_edge, space.size)
     return np.where(np.abs(ends) > _ROUND_OFF * np.abs(on_edge).max(), ends, 0.0)
@@ -203,7 +204,7 @@ def _ends(space: DisplacementSpace, edges: Index, pressures: Mapping[str, float]
 
 def _rim(space: DisplacementSpace, pressures: Mapping[str, float]) -> Index:
     """Return the mesh edges where faces under different pressures meet."""
-    mesh = space.bodies.mesh
+    mesh = space.mesh
     low, high = np.full(mesh.nedge, np.inf), np.full(mesh.nedge, -np.inf)
     for face in mesh.Elements(ngsolve.BND):
         edges, pressure = [edge.nr for edge in face.edges], pressures.get(face.mat, 0.0)

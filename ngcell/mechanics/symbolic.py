@@ -227,7 +227,7 @@ class OwnEnergy(SymbolicTerm):
 
     def integrals(self, displacement: ngsolve.CoefficientFunction) -> Integrals:
         """Return the integrals that the script gives."""
-        given = self._integrals(displacement, self.space.bodies.mesh)
+        given = self._integrals(displacement, self.space.mesh)
         return given if isinstance(given, (list, tuple)) else [given]
 
 

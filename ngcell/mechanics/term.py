@@ -17,10 +17,10 @@ Signs: a gradient is minus the force that the term exerts on the unknowns. Gaps 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +30,6 @@ from ngcell.mechanics.report import Check, Scales
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
-Found = TypeVar("Found")
 
 NO_ENTRIES: tuple[Index, Index] = (np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64))
 
@@ -53,19 +52,13 @@ class Configuration:
         Displacement of all unknowns, those of tied walls included [length].
     positions : array of float, shape (dimension, scalar unknowns)
         Deformed positions as unknowns [length]; not to be written to.
+    found : dict of Term to object
+        What terms have found at these positions, so that it is found once: their active sets.
     """
 
     displacement: Array
     positions: Array
-    _found: dict[int, Any] = field(default_factory=dict, repr=False)
-
-    def once(self, owner: object, find: Callable[[Array], Found]) -> Found:
-        """Return what `find` returns at these positions for its owner, computed once: the active set of a term."""
-        # The owner is kept beside what it found, so that its number stays its own.
-        if id(owner) not in self._found:
-            self._found[id(owner)] = owner, find(self.positions)
-        found: Found = self._found[id(owner)][1]
-        return found
+    found: dict[object, Any] = field(default_factory=dict, repr=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,8 +214,8 @@ class Term(ABC):
     def refine(self, coarse: Term, at: Configuration) -> None:
         """Take over what the same term on a coarser mesh knows at an equilibrium on that mesh."""
 
-    def update_multipliers(self, at: Configuration, stored: Callable[[], float]) -> tuple[float, float]:
-        """Update multipliers, or a penalty that is too soft, at an equilibrium whose stored energy `stored` returns.
+    def update_multipliers(self, at: Configuration, stored: float) -> tuple[float, float]:
+        """Update multipliers, or a penalty that is too soft, at an equilibrium with this stored energy.
 
         Returns by how much conditions that the energy only approaches were missed: a length, and the energy that stands
         for it; zeros where there are none.

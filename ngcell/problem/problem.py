@@ -92,7 +92,7 @@ class Problem:
         mean rotation of each body without support is applied as a rotation. To first order this is the step.
         """
         moved = displacement + step
-        if not self.unknowns.lets_bodies_part or len(self._supported) == self.space.bodies.body_count:
+        if not self.unknowns.lets_bodies_part or len(self._supported) == self.space.body_count:
             return moved
         at, by = self.configuration(displacement).positions, step.reshape(self.dimension, -1)
         return moved + finite_rotation_update(at, by, self.space.one, self.space.body_of_unknown, self._supported)
@@ -204,10 +204,7 @@ class Problem:
     def update_multipliers(self, state: State) -> tuple[float, float]:
         """Let terms update their multipliers at an equilibrium; return the largest length by which conditions were
         missed, and the energy that stands for it."""
-
-        def stored() -> float:
-            return state.energy - self.unstored(state.at)
-
+        stored = state.energy - self.unstored(state.at)
         # The last terms first: contact is judged by the stored energy, which fluids change when they update.
         found = [term.update_multipliers(state.at, stored) for term in reversed(self.terms)]
         return max(missed for missed, _ in found), sum(energy for _, energy in found)

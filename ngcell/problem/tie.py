@@ -38,11 +38,6 @@ class Tie:
     master: Index
     sign: Array
 
-    @property
-    def is_trivial(self) -> bool:
-        """Whether nothing is tied."""
-        return bool((self.master == np.arange(len(self.master))).all())
-
 
 def coincident_facets(walls: Surface) -> Index:
     """Return the pairs of facets of different bodies that coincide in the reference state, shape (pairs, 2)."""

@@ -81,7 +81,7 @@ def depth_in_others(space: DisplacementSpace, walls: EdgeSurface, positions: Arr
 
     A hollow body whose lumen is no wall counts as filled, as for `ngcell.results.outline_overlap.deepest_overlap`.
     """
-    whole = walls if len(outlines(walls).shells) == space.bodies.body_count else all_boundaries(space)
+    whole = walls if len(outlines(walls).shells) == space.body_count else all_boundaries(space)
     _, polygons = outlines(whole).polygons(whole.nodes(positions))
     crossed = ~shapely.is_valid(polygons)
     polygons[crossed] = shapely.make_valid(polygons[crossed])

@@ -1,4 +1,4 @@
-"""Snapshots of a state: displacement, volume ratio and stress of the bodies, gap and pressure of their walls.
+"""Fields of a state: displacement, volume ratio and stress of the bodies, gap and pressure of their walls.
 
 Every element brings its own points, so that bodies stay apart and stresses, which jump between elements, are
 not smoothed. Values at the points are those of the finite element functions; see `ngcell.results.patterns`.
@@ -7,7 +7,6 @@ not smoothed. Values at the points are those of the finite element functions; se
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import ngsolve
 import numpy as np
@@ -20,41 +19,21 @@ from ngcell.problem.problem import Problem
 from ngcell.problem.reports import stress as cauchy_stress
 from ngcell.results.patterns import Pattern, pattern_of, wall_pattern
 from ngcell.results.places import element_type, map_points
-from ngcell.results.snapshot import Grid, Snapshot
+from ngcell.results.snapshot import Grid
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 
-@dataclass(frozen=True)
-class Label:
-    """Which step a snapshot is of.
-
-    Attributes
-    ----------
-    step : int
-        Number of the accepted step, from 0.
-    load_factor : float
-        Share of the case's full load, in [0, 1].
-    plate_displacement : float
-        Length of the displacement of the moved plate [length], >= 0.
-    """
-
-    step: int
-    load_factor: float
-    plate_displacement: float
-
-
-def take_snapshot(
+def take_fields(
     problem: Problem,
     at: Configuration,
-    label: Label,
     *,
     walls: Surface,
     wall_data: Mapping[str, Array],
     body_data: Mapping[str, NDArray[np.generic]],
-) -> Snapshot:
-    """Return the fields of a configuration.
+) -> tuple[Grid, Grid]:
+    """Return the fields of a configuration: those in the bodies, and those on the walls.
 
     Parameters
     ----------
@@ -62,8 +41,6 @@ def take_snapshot(
         The bodies, all of elements of one kind.
     at : Configuration
         Where they are.
-    label : Label
-        Which step it is.
     walls : Surface
         The walls to show.
     wall_data : mapping of str to array of float, shape (facets, points)
@@ -80,13 +57,7 @@ def take_snapshot(
     -----
     Where an element is inverted, at J <= 0, stresses are NaN.
     """
-    return Snapshot(
-        step=label.step,
-        load_factor=label.load_factor,
-        plate_displacement=label.plate_displacement,
-        bulk=_bulk_grid(problem, at.displacement, body_data),
-        walls=_walls_grid(walls, at.displacement, wall_data),
-    )
+    return _bulk_grid(problem, at.displacement, body_data), _walls_grid(walls, at.displacement, wall_data)
 
 
 def _bulk_grid(problem: Problem, displacement: Array, body_data: Mapping[str, NDArray[np.generic]]) -> Grid:

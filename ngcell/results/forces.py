@@ -64,7 +64,7 @@ class ContactForces:
 
 def contact_forces(problem: Problem, state: State) -> ContactForces:
     """Return the forces between bodies in a state."""
-    return _resultants(interaction(problem.terms, state.at), problem.space.bodies.body_count)
+    return _resultants(interaction(problem.terms, state.at), problem.space.body_count)
 
 
 def _resultants(acting: Interaction, count: int) -> ContactForces:
@@ -88,5 +88,5 @@ def _resultants(acting: Interaction, count: int) -> ContactForces:
 def body_resultants(space: DisplacementSpace, nodal_force: Array) -> Array:
     """Return the sum of nodal forces over each body, shape (bodies, dimension)."""
     weighted = nodal_force.reshape(space.dimension, -1) * space.one
-    count = space.bodies.body_count
+    count = space.body_count
     return np.array([np.bincount(space.body_of_unknown, row, minlength=count) for row in weighted]).T

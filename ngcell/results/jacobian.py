@@ -57,7 +57,7 @@ def smallest_jacobian(space: DisplacementSpace, displacement: Array) -> Smallest
         If the mesh has elements of several kinds, or pyramids.
     """
     kind = element_type(space)
-    order = max(space.order, space.bodies.mesh.GetCurveOrder())
+    order = max(space.order, space.mesh.GetCurveOrder())
     nodes = _positions(kind, order)
     places = map_points(space, kind, nodes.lattice)
     rest = ngsolve.CF((ngsolve.x, ngsolve.y, ngsolve.z)[: space.dimension])(places)

@@ -34,7 +34,7 @@ def deepest_overlap_of_faces(walls: EdgeSurface, space: DisplacementSpace, posit
     positions : array of float, shape (2, scalar unknowns)
         Deformed positions as unknowns [length].
     """
-    if has_all_outlines(walls, space.bodies.body_count):
+    if has_all_outlines(walls, space.body_count):
         return deepest_overlap(walls, walls.nodes(positions))
     whole = all_boundaries(space)
     return deepest_overlap(walls, walls.nodes(positions), (whole, whole.nodes(positions)))

@@ -83,7 +83,7 @@ def all_boundaries(space: DisplacementSpace) -> EdgeSurface:
     An edge between two elements, as that of a wall and what fills its lumen, is no boundary.
     """
     if space not in _boundaries:
-        mesh = space.bodies.mesh
+        mesh = space.mesh
         inner = {element.mat for element in mesh.Elements(ngsolve.BND) if len(mesh[element.edges[0]].elements) > 1}
         names = "|".join(sorted(set(mesh.GetBoundaries()) - inner))
         _boundaries[space] = find_edges(replace(space.bodies, wall_names=names), space.scalar, space.rest)

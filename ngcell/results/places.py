@@ -23,7 +23,8 @@ def element_type(space: DisplacementSpace) -> ngsolve.ET:
     GeometryError
         If the mesh has elements of several kinds, or pyramids.
     """
-    kinds = {element.type for element in space.bodies.mesh.Elements(ngsolve.VOL)}
+    elements = space.mesh.Elements(ngsolve.VOL)
+    kinds = {element.type for element in elements}
     if kinds not in _DRAWN:
         names = ", ".join(sorted(kind.name for kind in kinds)) or "no elements"
         possible = " or ".join(f"only {kind.name}" for one in _DRAWN for kind in one)
@@ -34,4 +35,4 @@ def element_type(space: DisplacementSpace) -> ngsolve.ET:
 def map_points(space: DisplacementSpace, kind: ngsolve.ET, points: Array) -> NDArray[np.void]:
     """Return where reference points lie in all elements, element by element; `nr` is the element's number."""
     rule = ngsolve.IntegrationRule(points=[tuple(point) for point in points], weights=[0.0] * len(points))
-    return np.asarray(space.bodies.mesh.MapToAllElements({kind: rule}, ngsolve.VOL))
+    return np.asarray(space.mesh.MapToAllElements({kind: rule}, ngsolve.VOL))

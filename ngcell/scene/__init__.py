@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ngcell.scene.bodies import Body, BodyForce, BodyScene, BodySupport, Pressure, Traction
+from ngcell.scene.bodies import Body, BodyScene, BodySupport
 from ngcell.scene.case import Case, Load
 from ngcell.scene.case_of_bodies import BodyCase
 from ngcell.scene.catalogue import case_name, find_case, shipped_cases
@@ -24,7 +24,6 @@ __all__ = [
     "Body",
     "BodyCase",
     "BodyExpected",
-    "BodyForce",
     "BodyMeshChoice",
     "BodyScene",
     "BodySupport",
@@ -32,9 +31,7 @@ __all__ = [
     "Expected",
     "Load",
     "MeshChoice",
-    "Pressure",
     "Refinement",
-    "Traction",
     "case_name",
     "case_title",
     "find_case",

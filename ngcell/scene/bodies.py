@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -16,21 +16,17 @@ from ngcell.scene.entries import (
     check_name,
     check_numbers,
     check_unique_names,
-    check_vector,
     entries_of,
     is_number,
     sequence_of,
 )
 from ngcell.scene.levels import Levels
 from ngcell.scene.mesh import HIGHEST_ORDER, PLAIN_BODY_ORDER, Refinement
-from ngcell.scene.registry import checked, default_of
+from ngcell.scene.registry import checked, default_of, each_checked
 
 #: Two numbers, or three for solids.
 Numbers = tuple[float, float] | tuple[float, float, float]
 Gradient = tuple[Numbers, ...]
-#: Numbers, or a function that makes as many expressions of the coordinates x and y (and z) at rest: sums, products,
-#: powers, and what NGSolve has for them, such as `ngsolve.sin`.
-Vector = Numbers | Callable[..., tuple[Any, ...]]
 
 _LEVELS: TypeAdapter[int | tuple[float, ...]] = TypeAdapter(Levels, config={"defer_build": True})
 
@@ -123,82 +119,15 @@ class BodySupport:
         return replace(self, **left_out)
 
 
-@dataclass(frozen=True)
-class Pressure:
-    """A pressure ``load_factor * value`` on a boundary, which stays normal to it as it deforms.
-
-    Parameters
-    ----------
-    boundary : str
-        Name of an edge, as for a support.
-    value : float
-        Pressure at load factor 1 [stress]; > 0 acts into the body.
-
-    Notes
-    -----
-    It has an energy, and so a place here, where no end of the loaded line is free: the line is closed, or meets a
-    line under the same pressure, or its end is held, or it slides along a support that stays in place. The same goes
-    for the rim of a solid's face.
-    """
-
-    boundary: str
-    value: float
-
-    def __post_init__(self) -> None:
-        check_name(self.boundary, "boundary of a pressure")
-        if not is_number(self.value):
-            raise CaseError(f"pressure on {self.boundary}: value is {self.value!r}; allowed: a finite number")
-
-
-@dataclass(frozen=True)
-class Traction:
-    """A force ``load_factor * vector`` for each unit of a boundary's length or area at rest, in a fixed direction.
-
-    Parameters
-    ----------
-    boundary : str
-        Name of an edge, as for a support.
-    vector : tuple of float, shape (dimension,), or function of the place
-        Force on the body for each reference length or area at load factor 1 [stress].
-    """
-
-    boundary: str
-    vector: Vector
-
-    def __post_init__(self) -> None:
-        check_name(self.boundary, "boundary of a traction")
-        check_vector(self.vector, f"traction on {self.boundary}: vector")
-
-
-@dataclass(frozen=True)
-class BodyForce:
-    """A force ``load_factor * vector`` for each unit of a body's area or volume at rest, in a fixed direction.
-
-    Parameters
-    ----------
-    body : str
-        Name of a body.
-    vector : tuple of float, shape (dimension,), or function of the place
-        Force for each reference area or volume at load factor 1 [stress / length].
-    """
-
-    body: str
-    vector: Vector
-
-    def __post_init__(self) -> None:
-        check_name(self.body, "body of a force")
-        check_vector(self.vector, f"force on {self.body}: vector")
-
-
 @dataclass(frozen=True, eq=False)
 class BodyScene:
     """Bodies, what moves them, and how finely they are resolved.
 
     Parameters
     ----------
-    bodies : tuple of Body
+    bodies : sequence of Body
         At least one; they may touch, and share nothing even then.
-    supports : tuple of BodySupport
+    supports : sequence of BodySupport
         What is held and moved; a body that nothing holds stays as near to where it was as contact allows.
     size : float, optional
         Largest length of an element's edge, > 0; by default half of each body's own thickness.
@@ -210,15 +139,15 @@ class BodyScene:
         Smallest number of load steps, >= 1; by default one for each level.
     contact : Penalty, Mortar or ContactChoice
         What walls do to each other.
-    loads : tuple of Pressure, Traction or BodyForce
+    loads : sequence of Pressure, Traction, BodyForce or AppliedLoad
         Pressures and tractions on boundaries, forces in bodies; loads on the same boundary or body add up.
-    refinements : tuple of Refinement
+    refinements : sequence of Refinement
         Where elements are smaller.
     cohesion : Cohesion or CohesiveLaw, optional
         What holds walls together that touch at rest; by default nothing does.
     strategy : Strategy, optional
         How the load path is followed; by default by single steps, and with cohesion by load stepping.
-    observables : tuple of Observable
+    observables : sequence of Observable
         What is measured besides what every run measures.
     title : str
         One line that says what happens.
@@ -232,34 +161,34 @@ class BodyScene:
         If a value is not allowed.
     """
 
-    bodies: tuple[Body, ...]
-    supports: tuple[BodySupport, ...] = ()
+    bodies: Sequence[Body]
+    supports: Sequence[BodySupport] = ()
     size: float | None = None
     order: int | None = None
     levels: int | tuple[float, ...] = 10
     steps: int | None = None
     contact: Any = field(default_factory=lambda: default_of("contact"))
-    loads: tuple[Pressure | Traction | BodyForce, ...] = ()
-    refinements: tuple[Refinement, ...] = ()
+    loads: Sequence[Any] = ()
+    refinements: Sequence[Refinement] = ()
     cohesion: Any = None
     strategy: Any = None
-    observables: tuple[Any, ...] = ()
+    observables: Sequence[Any] = ()
     title: str = ""
     accuracy: float = DEFAULT_ACCURACY
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "bodies", sequence_of(self.bodies, Body, "bodies"))
         object.__setattr__(self, "supports", sequence_of(self.supports, BodySupport, "supports"))
-        object.__setattr__(self, "loads", sequence_of(self.loads, Pressure | Traction | BodyForce, "loads"))
+        object.__setattr__(self, "loads", each_checked("body-load", self.loads, "loads"))
         object.__setattr__(self, "refinements", sequence_of(self.refinements, Refinement, "refinements"))
         if not self.bodies:
             raise CaseError("bodies is empty; allowed: at least one body")
         check_unique_names(body.name for body in self.bodies)
         known = [body.name for body in self.bodies]
-        unknown = {load.body for load in self.loads if isinstance(load, BodyForce)} - set(known)
+        unknown = {load.body for load in self.loads if load.body is not None} - set(known)
         if unknown:
             names = ", ".join(known)
-            raise CaseError(f"force on {min(unknown)}: there is no such body; allowed: {names}")
+            raise CaseError(f"load in {min(unknown)}: there is no such body; allowed: {names}")
         if self.size is not None and not (is_number(self.size) and self.size > 0):
             raise CaseError(f"size is {self.size!r}; allowed: a finite length > 0")
         if self.order is not None and (type(self.order) is not int or not 1 <= self.order <= HIGHEST_ORDER):
@@ -269,8 +198,7 @@ class BodyScene:
         if self.steps is not None and (type(self.steps) is not int or self.steps < 1):
             raise CaseError(f"steps is {self.steps!r}; allowed: a whole number >= 1")
         checked("contact", self.contact, "contact")
-        for observable in self.observables:
-            checked("observable", observable, "observables")
+        object.__setattr__(self, "observables", each_checked("observable", self.observables, "observables"))
         if self.strategy is not None:
             checked("strategy", self.strategy, "strategy")
         if self.cohesion is not None:

@@ -9,8 +9,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field, Strict, ValidationInfo, field_validator
 
+from ngcell.errors import CaseError
 from ngcell.scene.accuracy import DEFAULT_ACCURACY, Accuracy
-from ngcell.scene.bodies import BodySupport, Pressure, Traction
+from ngcell.scene.bodies import BodySupport
 from ngcell.scene.case import Cohesion, Contact, Observables, Strategy
 from ngcell.scene.choice import OneOf
 from ngcell.scene.expected import ROUND, SUPPORTED, BodyExpected
@@ -51,54 +52,8 @@ class SupportEntry(BaseModel):
         )
 
 
-class PressureEntry(BaseModel):
-    """A pressure ``load_factor * value`` on a boundary, which stays normal to it as it deforms.
-
-    Parameters
-    ----------
-    boundary : str
-        Name of a boundary, ``<body>_<side>``.
-    value : float
-        Pressure at load factor 1 [stress]; > 0 acts into the body.
-    """
-
-    model_config = SECTION
-
-    kind: Literal["pressure"] = "pressure"
-    boundary: Name
-    value: float
-
-    @property
-    def resolved(self) -> Pressure:
-        """The load that it means."""
-        return Pressure(self.boundary, self.value)
-
-
-class TractionEntry(BaseModel):
-    """A force ``load_factor * vector`` for each unit of a boundary's length at rest, which keeps its direction.
-
-    Parameters
-    ----------
-    boundary : str
-        Name of a boundary, ``<body>_<side>``.
-    vector : tuple of float, shape (2,)
-        Force on the body for each reference length at load factor 1 [stress].
-    """
-
-    model_config = SECTION
-
-    kind: Literal["traction"] = "traction"
-    boundary: Name
-    vector: PlanarVector
-
-    @property
-    def resolved(self) -> Traction:
-        """The load that it means."""
-        return Traction(self.boundary, self.vector)
-
-
 UserBody = Annotated[Any, OneOf("body")]
-LoadEntry = Annotated[Any, OneOf("body-load")]
+AppliedLoad = Annotated[Any, OneOf("body-load")]
 
 
 class BodyCase(BaseModel):
@@ -121,8 +76,8 @@ class BodyCase(BaseModel):
         The bodies, at least one; they may touch or overlap, and share nothing even then.
     supports : tuple of SupportEntry
         What is held and moved; a body that nothing holds stays as near to where it was as contact allows.
-    loads : tuple of PressureEntry or TractionEntry
-        Pressures and tractions on boundaries; loads on the same boundary add up.
+    loads : tuple of Pressure, Traction or BodyForce
+        Pressures and tractions on boundaries, forces in bodies; loads on the same boundary or body add up.
     contact : Penalty or Mortar
         What walls do to each other.
     cohesion : Cohesion, optional
@@ -149,7 +104,7 @@ class BodyCase(BaseModel):
     steps: PositiveCount | None = None
     bodies: Annotated[tuple[UserBody, ...], Strict(False), Field(min_length=1)]
     supports: Annotated[tuple[SupportEntry, ...], Strict(False)] = ()
-    loads: Annotated[tuple[LoadEntry, ...], Strict(False)] = ()
+    loads: Annotated[tuple[AppliedLoad, ...], Strict(False)] = ()
     contact: Contact = Field(default_factory=lambda: default_of("contact"))
     cohesion: Cohesion | None = None
     strategy: Strategy | None = None
@@ -185,11 +140,24 @@ class BodyCase(BaseModel):
 
     @field_validator("supports", "loads")
     @classmethod
-    def _at_known_boundaries(cls, entries: tuple[BaseModel, ...], info: ValidationInfo) -> tuple[BaseModel, ...]:
-        known = _boundaries(info, "boundaries")
+    def _at_known_places(cls, entries: tuple[Any, ...], info: ValidationInfo) -> tuple[Any, ...]:
+        boundaries, bodies = _boundaries(info, "boundaries"), [body.name for body in info.data.get("bodies", ())]
         for number, entry in enumerate(entries):
-            _check_boundary(entry.boundary, known, (number, "boundary"))  # type: ignore[attr-defined]
+            if entry.boundary is not None:
+                _check_name(entry.boundary, boundaries, (number, "boundary"))
+            else:
+                _check_name(entry.body, bodies, (number, "body"), "is no body")
         return entries
+
+    @field_validator("loads")
+    @classmethod
+    def _in_the_plane(cls, loads: tuple[Any, ...]) -> tuple[Any, ...]:
+        for number, load in enumerate(loads):
+            try:
+                load.check(2)
+            except CaseError as error:
+                refuse("{why}", number, why=str(error))
+        return loads
 
     @field_validator("contact", "cohesion")
     @classmethod
@@ -203,11 +171,11 @@ class BodyCase(BaseModel):
         for number, entry in enumerate(expected):
             if entry.quantity in ROUND:
                 round_ones = _boundaries(info, "round_boundaries")
-                _check_boundary(str(entry.boundary), round_ones, (number, "boundary"), "is no arc")
+                _check_name(str(entry.boundary), round_ones, (number, "boundary"), "is no arc")
             if entry.quantity in SUPPORTED:
-                _check_boundary(str(entry.boundary), supported, (number, "boundary"), "has no support")
+                _check_name(str(entry.boundary), supported, (number, "boundary"), "has no support")
             for side, name in enumerate(entry.between or ()):
-                _check_boundary(name, _boundaries(info, "wall_boundaries"), (number, "between", side), "is no wall")
+                _check_name(name, _boundaries(info, "wall_boundaries"), (number, "between", side), "is no wall")
             _check_level(entry.level, info, number)
         return expected
 
@@ -217,9 +185,7 @@ def _boundaries(info: ValidationInfo, sort: str) -> list[str]:
     return [name for body in info.data.get("bodies", ()) for name in getattr(body, sort)]
 
 
-def _check_boundary(
-    name: str, known: Iterable[str], place: tuple[str | int, ...], reason: str = "is no boundary"
-) -> None:
+def _check_name(name: str, known: Iterable[str], place: tuple[str | int, ...], reason: str = "is no boundary") -> None:
     known = list(dict.fromkeys(known))
     if known and name not in known:
         near = get_close_matches(name, known, n=1)

@@ -14,6 +14,9 @@ from ngcell.errors import CaseError
 #: Names become parts of region names, where other signs would have a meaning of their own.
 PLAIN_NAME = re.compile(r"[A-Za-z0-9_-]+")
 
+#: What bodies of a dimension are, in words.
+_BODIES = {2: "faces in the plane", 3: "solids"}
+
 NUMBERS = "two finite numbers, or three for solids"
 
 
@@ -41,7 +44,7 @@ def sequence_of(value: object, kind: type | UnionType, place: str) -> tuple[Any,
 def check_dimension(value: tuple[Any, ...], place: str, dimension: int) -> None:
     """Raise CaseError if what was given for bodies of this dimension has another number of entries."""
     if len(value) != dimension:
-        kind = "faces in the plane" if dimension == 2 else "solids"
+        kind = _BODIES[dimension]
         raise CaseError(f"{place} has {len(value)} entries; allowed: {dimension}, since the bodies are {kind}")
 
 
@@ -50,12 +53,6 @@ def entries_of(value: object, place: str, allowed: str) -> tuple[Any, ...]:
     if not isinstance(value, (list, tuple)) or len(value) not in (2, 3):
         raise CaseError(f"{place} is {value!r}; allowed: {allowed}")
     return tuple(value)
-
-
-def check_vector(value: object, place: str) -> None:
-    """Raise CaseError if a value is neither numbers nor a function of the place."""
-    if not callable(value):
-        check_numbers(value, place, NUMBERS)
 
 
 def check_numbers(value: object, place: str, allowed: str) -> None:

@@ -112,9 +112,11 @@ _SHIPPED = {
     ),
     "body-load": Group(
         {
-            "pressure": "ngcell.scene.case_of_bodies:PressureEntry",
-            "traction": "ngcell.scene.case_of_bodies:TractionEntry",
+            "pressure": "ngcell.mechanics.applied.boundary_pressure:Pressure",
+            "traction": "ngcell.mechanics.applied.traction:Traction",
+            "body-force": "ngcell.mechanics.applied.body_force:BodyForce",
         },
+        protocol="ngcell.mechanics.applied.protocol:AppliedLoad",
     ),
     "strategy": Group(
         {
@@ -213,6 +215,19 @@ def checked(name: str, value: object, place: str) -> Any:
     if not known.holds(value):
         raise CaseError(f"{place} is {value!r}; allowed: {known.allowed}")
     return value
+
+
+def each_checked(name: str, values: object, place: str) -> tuple[Any, ...]:
+    """Return a list of objects that can stand in a group's place as a tuple.
+
+    Raises
+    ------
+    CaseError
+        It is no list, or one of them cannot; the message names `place`.
+    """
+    if not isinstance(values, (list, tuple)):
+        raise CaseError(f"{place} is {values!r}; allowed: a list, each entry {group(name).allowed}")
+    return tuple(checked(name, value, f"{place}[{number}]") for number, value in enumerate(values))
 
 
 def section_named(name: str) -> type[BaseModel] | None:

@@ -176,16 +176,22 @@ class _Quadratics:
         if not len(changed):
             return solution
         jacobian, root = self._model.jacobian[changed], np.sqrt(self._model.penalty[changed])
-        for row, number in enumerate(changed.tolist()):
-            if number not in self._pulled:
-                self._pulled[number] = self._matrix.solve(jacobian[[row]].toarray()[0])
-        pulled = root * np.stack([self._pulled[number] for number in changed.tolist()], axis=1)
+        pulled = root * np.stack([self._pulled_by(number) for number in changed.tolist()], axis=1)
         gap = root * (jacobian @ solution)
         try:
             force = np.linalg.solve(root[:, None] * (jacobian @ pulled) + np.diag(np.where(closes, 1.0, -1.0)), gap)
         except np.linalg.LinAlgError:
             return None
         return solution - pulled @ force if np.abs(force).max() <= self._lost * np.abs(gap).max() else None
+
+    def _pulled_by(self, number: int) -> Array:
+        """Return what a unit force of a penalty term does to the factorised quadratic, shape (unknowns,)."""
+        if number not in self._pulled:
+            jacobian, force = self._model.jacobian, np.zeros_like(self._model.gradient)
+            entries = slice(*jacobian.indptr[number : number + 2])
+            np.add.at(force, jacobian.indices[entries], jacobian.data[entries])  # an unknown may occur twice
+            self._pulled[number] = self._matrix.solve(force)
+        return self._pulled[number]
 
 
 def _root_of_slope(constant: float, linear: float, penalty: Array, gap: Array, moved: Array) -> float:

@@ -161,7 +161,7 @@ def test_penalty_terms_that_took_over_from_softer_ones_stiffen_where_overlaps_ar
 
     def improved(depth: float) -> float:
         positions = tissue.positions(tissue.body_translation(1, np.array([-depth, 0.0])))
-        return meant.update_multipliers(meant.pair(positions), positions, lambda: 1e9)[0]
+        return meant.update_multipliers(meant.pair(positions), positions, 1e9)[0]
 
     assert improved(0.03 * meant.reach) == 0  # nothing was softer than these
     at_rest = tissue.positions(tissue.body_translation(1, np.zeros(2)))

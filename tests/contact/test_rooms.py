@@ -14,7 +14,7 @@ HERE = Path(ngcell.contact.__file__).parent
 MODULES = {
     ".".join(("ngcell", "contact", *path.relative_to(HERE).with_suffix("").parts)): path for path in HERE.rglob("*.py")
 }
-ROOMS = ["surface", "pairing", "gap", "cohesion", "methods"]
+ROOMS = ["options", "surface", "pairing", "gap", "cohesion", "methods"]
 #: The one module that asks for the dimension.
 FACTORY = "ngcell.contact.surface.find"
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ngcell.contact.pairing.near import FACING, NearFacets
+from ngcell.contact.options import DEFAULT_OPTIONS
+from ngcell.contact.pairing.near import NearFacets
 from ngcell.contact.pairing.segments import Segments, find_segments, segment_pairs
 from tests.contact.stacks import REACH, Stack, blocks, rings
 from tests.tissues import rotation
@@ -109,7 +110,7 @@ def test_walls_that_do_not_face_have_no_segments(angle):
     turn = stack.space.affine(rotation(angle) - np.eye(2), np.zeros(2)).ravel()
     segments, nodes = segments_of(stack, turn, primary=0)
     normal = stack.walls.chord_normals(nodes)
-    assert (np.einsum("sd,sd->s", normal[segments.primary], normal[segments.secondary]) < FACING).all()
+    assert (np.einsum("sd,sd->s", normal[segments.primary], normal[segments.secondary]) < DEFAULT_OPTIONS.facing).all()
     # At rest the lower block's top faces the upper block's bottom; sides stand flush and face nothing.
     rest = stack.walls.rest[segments.primary]
     assert len(rest) and np.abs(rest[..., 1] - 0.5).max() < 1e-12

@@ -34,7 +34,6 @@ def test_sides_that_no_other_cell_has_are_outer_ones():
     lengths = {"cell0_outer": 2, "cell0_wall": 2, "cell1_outer": 3, "cell1_wall": 1, "cell2_outer": 2 * np.sqrt(1.25)}
     for name, length in lengths.items():
         assert ngsolve.Integrate(1, mesh, definedon=mesh.Boundaries(name)) == pytest.approx(length, rel=1e-9)
-    assert tissue.outer_boundaries() == ("cell0_outer", "cell1_outer", "cell2_outer")
 
 
 def test_squeezed_cells_press_on_each_other():

@@ -110,6 +110,7 @@ def solid() -> occ.Solid:
 
 SOLID = solid()
 SQUARE = occ.Rectangle(1, 1).Face()
+CROSSED = occ.WorkPlane().MoveTo(0, 0).LineTo(1, 1).LineTo(1, 0).LineTo(0, 1).Close().Face()
 GLUED = list(occ.Glue([SQUARE, SQUARE.Move((1, 0, 0))]).faces)
 
 
@@ -126,6 +127,7 @@ GLUED = list(occ.Glue([SQUARE, SQUARE.Move((1, 0, 0))]).faces)
         (["square"], "body a: its shape is 'square'; allowed: a face or a solid made with netgen.occ"),
         ([SQUARE, SQUARE], "bodies a, b: two of them are the same face or share an edge"),
         (GLUED, "bodies a, b: two of them are the same face or share an edge"),
+        ([CROSSED], "bodies a: Netgen cannot mesh them"),
     ],
 )
 def test_shapes_that_are_no_separate_planar_faces_are_refused(shapes, message):

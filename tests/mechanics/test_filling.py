@@ -9,10 +9,10 @@ import pytest
 from ngcell.geometry.filling import lumen_quads
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.rings import ring_layers, ring_mesh
+from ngcell.mechanics.applied.potential import AppliedLoads
 from ngcell.mechanics.bulk import BodyEnergy, InclusionEnergy
 from ngcell.mechanics.laws.custom import CustomLaw
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
-from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.mechanics.symbolic import EnergyForm, SymbolicSum
@@ -70,7 +70,7 @@ def test_a_stretched_filling_stores_its_own_energy_beside_that_of_the_wall():
     assert bulk.energy(state) == pytest.approx(
         density(WALL, gradient) * (full - inner) + density(FILLING, gradient) * inner, rel=1e-10
     )
-    element = np.arange(space.bodies.mesh.ne)
+    element = np.arange(space.mesh.ne)
     gradients = np.tile(np.eye(3), (len(element), 1, 1))
     gradients[:, :2, :2] += gradient
     laws = {FILLING: InclusionEnergy(space, FILLING), WALL: BodyEnergy(space, [WALL])}
@@ -99,7 +99,11 @@ def test_cells_under_the_same_pressure_share_a_region_and_empty_ones_have_no_loa
     (term,) = lumen.terms(space, PrescribedMotion(space, []), tissue, WALL)
     term.apply(1.0)
     at = space.configuration(0.01 * np.random.default_rng(5).standard_normal(space.unknowns))
-    alone = BoundaryLoads(space, [Pressure("lumen1", 0.1), Pressure("lumen2", 0.2)], PrescribedMotion(space, []))
+    alone = AppliedLoads(
+        space,
+        [Pressure(boundary="lumen1", value=0.1), Pressure(boundary="lumen2", value=0.2)],
+        PrescribedMotion(space, []),
+    )
     alone.apply(1.0)
     assert term.value(at) != 0 and term.value(at) == pytest.approx(alone.value(at), rel=1e-12)
     assert not np.any(term.gradient(at)[np.isin(np.tile(space.body_of_unknown, 2), [0, 5])])

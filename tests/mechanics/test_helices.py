@@ -36,7 +36,7 @@ def cell(end_wall: float | None = None, layers: int = 1) -> BodyMesh:
 
 def reinforced(space: DisplacementSpace, fibres: FibreLaw | None) -> EnergyForm:
     law = MooneyRivlin(c1=C1, c2=C2, bulk_modulus=KAPPA, fibres=fibres)
-    return BodyEnergy(space, [law] * space.bodies.body_count, along_and_up(space.bodies)).form
+    return BodyEnergy(space, [law] * space.body_count, along_and_up(space.bodies)).form
 
 
 def energy_density(law: FibreLaw, gradient: np.ndarray, fibre: np.ndarray) -> float:

@@ -13,9 +13,9 @@ from scipy import sparse
 from ngcell.errors import CaseError
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.shapes import mesh_shapes
+from ngcell.mechanics.applied.potential import AppliedLoads
 from ngcell.mechanics.bulk import BodyEnergy
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
-from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.mechanics.symbolic import SymbolicSum
@@ -46,7 +46,7 @@ class Loaded:
     bodies: BodyMesh
     space: DisplacementSpace
     motion: PrescribedMotion
-    loads: BoundaryLoads
+    loads: AppliedLoads
 
     def gradient(self, displacement: np.ndarray, load_factor: float) -> np.ndarray:
         with self.loads.at_factor(load_factor):
@@ -69,7 +69,7 @@ def loaded(shape, loads, supports=(), order: int = 3) -> Loaded:
     bodies = mesh_shapes([shape], ["body"], order=order, size=0.5)
     space = DisplacementSpace(bodies, order)
     motion = PrescribedMotion(space, [Support(*support) for support in supports])
-    return Loaded(bodies, space, motion, BoundaryLoads(space, loads, motion))
+    return Loaded(bodies, space, motion, AppliedLoads(space, loads, motion))
 
 
 def sliding(name: str, axis: int) -> tuple:
@@ -78,22 +78,28 @@ def sliding(name: str, axis: int) -> tuple:
 
 
 SCENES = {
-    "bore": lambda: loaded(ring(0.5, 1.0), [Pressure("body_hole0", 0.7)]),
-    "rim": lambda: loaded(ring(0.5, 1.0), [Pressure("body_outline", -0.4)], order=2),
-    "traction": lambda: loaded(block(), [Traction("right", (0.3, -0.8)), Traction("roof", (0.1, 0.2))]),
+    "bore": lambda: loaded(ring(0.5, 1.0), [Pressure(boundary="body_hole0", value=0.7)]),
+    "rim": lambda: loaded(ring(0.5, 1.0), [Pressure(boundary="body_outline", value=-0.4)], order=2),
+    "traction": lambda: loaded(
+        block(), [Traction(boundary="right", vector=(0.3, -0.8)), Traction(boundary="roof", vector=(0.1, 0.2))]
+    ),
     "places": lambda: loaded(
         block(),
         [
-            Traction("right", lambda x, y: (0.3 * x * y, -0.8)),
-            BodyForce("body", lambda x, y: (0.2, ngsolve.sin(x) * y)),
+            Traction(boundary="right", vector=lambda x, y: (0.3 * x * y, -0.8)),
+            BodyForce(body="body", vector=lambda x, y: (0.2, ngsolve.sin(x) * y)),
         ],
     ),
-    "held": lambda: loaded(block(), [Pressure("roof", 0.7)], [("left|right", STILL, np.zeros(2))]),
+    "held": lambda: loaded(block(), [Pressure(boundary="roof", value=0.7)], [("left|right", STILL, np.zeros(2))]),
     "sliding": lambda: loaded(
-        block(), [Pressure("roof", 0.7), Traction("roof", (0.2, 0.0))], [sliding("left|right", 1)]
+        block(),
+        [Pressure(boundary="roof", value=0.7), Traction(boundary="roof", vector=(0.2, 0.0))],
+        [sliding("left|right", 1)],
     ),
     "around a corner": lambda: loaded(
-        block(), [Pressure("roof", 0.7), Pressure("right", 0.7)], [sliding("left", 1), sliding("floor", 0)]
+        block(),
+        [Pressure(boundary="roof", value=0.7), Pressure(boundary="right", value=0.7)],
+        [sliding("left", 1), sliding("floor", 0)],
     ),
 }
 
@@ -118,7 +124,10 @@ def test_forces_and_tangent_are_derivatives_of_the_potential(scene):
 
 
 def test_loads_that_depend_on_the_place_do_the_work_of_their_integrals():
-    loads = [BodyForce("body", lambda x, y: (x**2, 3.0)), Traction("right", lambda x, y: (0.0, y))]
+    loads = [
+        BodyForce(body="body", vector=lambda x, y: (x**2, 3.0)),
+        Traction(boundary="right", vector=lambda x, y: (0.0, y)),
+    ]
     scene = loaded(block(), loads, order=1)
     translation = np.repeat([0.5, -2.0], scene.space.size) * np.tile(scene.space.one, 2)
     area_x = (2.3**3 - 0.3**3) / 3
@@ -191,10 +200,10 @@ def test_a_closed_line_is_pressed_nowhere_and_a_pressure_presses_on_the_body():
 )
 def test_a_pressure_with_a_free_end_is_refused(supports):
     with pytest.raises(CaseError, match=r"its line ends at \(.*\), which may move freely; allowed: an end that is"):
-        loaded(block(), [Pressure("roof", 1.0)], supports)
-    loaded(block(), [Traction("roof", (0.0, 1.0))], supports)
+        loaded(block(), [Pressure(boundary="roof", value=1.0)], supports)
+    loaded(block(), [Traction(boundary="roof", vector=(0.0, 1.0))], supports)
 
 
 def test_held_ends_may_move_with_their_supports():
-    scene = loaded(block(), [Pressure("roof", 1.0)], [("left|right", STILL, np.array([0.1, 0.2]))])
+    scene = loaded(block(), [Pressure(boundary="roof", value=1.0)], [("left|right", STILL, np.array([0.1, 0.2]))])
     assert scene.loads.potential(np.zeros(scene.space.unknowns), 1.0) == 0

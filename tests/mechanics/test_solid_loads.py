@@ -11,7 +11,7 @@ from netgen import occ
 
 from ngcell.errors import CaseError
 from ngcell.geometry.shapes import mesh_shapes
-from ngcell.mechanics.loads import BoundaryLoads
+from ngcell.mechanics.applied.potential import AppliedLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.scene import BodyForce, Pressure, Traction
@@ -44,7 +44,11 @@ def smooth(space: DisplacementSpace, motion: PrescribedMotion, amplitude: float,
     return motion.imposed(amplitude * (random.standard_normal((3, len(terms))) @ terms).ravel(), 0.0)
 
 
-ALL = [Pressure("x1", 0.7), Traction("y1", (0.1, 0.2, -0.3)), BodyForce("body", (0.0, 0.3, 0.5))]
+ALL = [
+    Pressure(boundary="x1", value=0.7),
+    Traction(boundary="y1", vector=(0.1, 0.2, -0.3)),
+    BodyForce(body="body", vector=(0.0, 0.3, 0.5)),
+]
 
 
 @pytest.mark.parametrize("order", [1, 2])
@@ -52,7 +56,16 @@ def test_forces_and_tangent_are_derivatives_of_the_potential(order):
     """The surface under pressure ends in two planes of symmetry and at two sides that are under the same pressure."""
     space = space_of(cube(), order)
     motion = held(space, "y0", "z0")
-    loads = BoundaryLoads(space, [*ALL, Pressure("y1", 0.7), Pressure("z1", 0.7), Pressure("x0", 0.7)], motion)
+    loads = AppliedLoads(
+        space,
+        [
+            *ALL,
+            Pressure(boundary="y1", value=0.7),
+            Pressure(boundary="z1", value=0.7),
+            Pressure(boundary="x0", value=0.7),
+        ],
+        motion,
+    )
     loads.apply(0.8)
     at, way, step = smooth(space, motion, 0.1, 1), smooth(space, motion, 1.0, 2), 1e-4
     rise = (loads.potential(at + step * way) - loads.potential(at - step * way)) / (2 * step)
@@ -68,11 +81,11 @@ def test_forces_and_tangent_are_derivatives_of_the_potential(order):
 def test_pressure_on_a_closed_surface_sweeps_the_change_of_volume():
     space = space_of(occ.Sphere((0.3, 0, 0), 1.0))
     motion = held(space)
-    loads = BoundaryLoads(space, [Pressure("body_outline", 1.0)], motion)
+    loads = AppliedLoads(space, [Pressure(boundary="body_outline", value=1.0)], motion)
     loads.apply(1.0)
     at = smooth(space, motion, 0.1, 4)
     gradient = ngsolve.Id(3) + ngsolve.Grad(space.function(at))
-    volume = ngsolve.Integrate(ngsolve.Det(gradient) - 1, space.bodies.mesh, order=8)
+    volume = ngsolve.Integrate(ngsolve.Det(gradient) - 1, space.mesh, order=8)
     assert loads.potential(at) == pytest.approx(volume, rel=1e-6)
     force = loads.gradient(space.configuration(at)).reshape(3, -1)
     np.testing.assert_allclose(force @ space.one, 0, atol=1e-10)
@@ -83,7 +96,7 @@ def test_pressure_on_a_half_ball_is_borne_by_its_plane_of_symmetry():
     ball.faces.Min(occ.Z).name, ball.faces.Max(occ.Z).name = "z0", "rim"
     space = space_of(ball)
     motion = held(space, "z0")
-    loads = BoundaryLoads(space, [Pressure("rim", 2.0)], motion)
+    loads = AppliedLoads(space, [Pressure(boundary="rim", value=2.0)], motion)
     loads.apply(1.0)
     stretched = np.array([1.2, 0.9, 1.1])[:, None] * space.rest - space.rest
     normal_force = -(loads.gradient(space.configuration(stretched.ravel())).reshape(3, -1) @ space.one)
@@ -94,10 +107,10 @@ def test_pressure_on_a_half_ball_is_borne_by_its_plane_of_symmetry():
 def test_pressure_whose_rim_is_free_is_refused(held_planes):
     space = space_of(cube())
     with pytest.raises(CaseError, match="pressure: its surface ends at .* where it may move freely; allowed: a rim"):
-        BoundaryLoads(space, [Pressure("x1", 1.0)], held(space, *held_planes))
+        AppliedLoads(space, [Pressure(boundary="x1", value=1.0)], held(space, *held_planes))
 
 
 def test_vectors_have_the_dimension_of_the_bodies():
     space = space_of(cube())
     with pytest.raises(CaseError, match="traction on x1: vector has 2 entries; allowed: 3, since the bodies are sol"):
-        BoundaryLoads(space, [Traction("x1", (1.0, 0.0))], held(space))
+        AppliedLoads(space, [Traction(boundary="x1", vector=(1.0, 0.0))], held(space))

@@ -32,7 +32,7 @@ def test_affine_unknowns_are_the_affine_function(order):
     field = space.function(space.affine(GRADIENT, TRANSLATION))
     place = ngsolve.CF((ngsolve.x, ngsolve.y))
     wrong = field - ngsolve.CF(tuple(GRADIENT.ravel()), dims=(2, 2)) * place - ngsolve.CF(tuple(TRANSLATION))
-    assert ngsolve.Integrate(wrong * wrong, space.bodies.mesh, order=2 * order) < 1e-26
+    assert ngsolve.Integrate(wrong * wrong, space.mesh, order=2 * order) < 1e-26
 
 
 def test_only_the_named_components_are_prescribed_and_the_later_support_counts():

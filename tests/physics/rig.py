@@ -14,9 +14,9 @@ from ngcell.contact.methods.protocol import ContactSet
 from ngcell.contact.methods.terms import ContactTerm
 from ngcell.contact.surface.find import find_surface
 from ngcell.geometry.shapes import mesh_shapes
+from ngcell.mechanics.applied.potential import AppliedLoads
 from ngcell.mechanics.bulk import BodyEnergy
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
-from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.mechanics.symbolic import fused
@@ -148,7 +148,7 @@ class Rig:
         ]
         self.motion = PrescribedMotion(self.space, supports)
         self.bulk = BodyEnergy(self.space, self.laws)
-        loads = [BoundaryLoads(self.space, scene.loads, self.motion)] if scene.loads else []
+        loads = [AppliedLoads(self.space, scene.loads, self.motion)] if scene.loads else []
         self.terms = fused([self.bulk, *loads])
         self.walls = find_surface(self.bodies, self.space.scalar, self.space.rest)
         self.stages = self._stages()

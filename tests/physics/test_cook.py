@@ -8,9 +8,9 @@ import pytest
 from netgen.meshing import Mesh
 
 from ngcell.geometry.bodies import FILLING, BodyMesh
+from ngcell.mechanics.applied.potential import AppliedLoads
 from ngcell.mechanics.bulk import InclusionEnergy
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
-from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.problem.problem import Problem
@@ -57,7 +57,7 @@ def corner(count: int, order: int, ratio: float) -> tuple[np.ndarray, int]:
     space = DisplacementSpace(membrane(count), order)
     motion = PrescribedMotion(space, [Support("clamped", np.zeros((2, 2)), np.zeros(2))])
     law = MooneyRivlin(c1=MU, c2=0.0, bulk_modulus=ratio * MU)
-    loads = BoundaryLoads(space, [Traction("pulled", (0.0, FORCE / 16))], motion)
+    loads = AppliedLoads(space, [Traction(boundary="pulled", vector=(0.0, FORCE / 16))], motion)
     problem = Problem(space, [InclusionEnergy(space, law), loads], motion.fixed)
     minimiser = Minimiser(problem, np.inf, energy_scale=MU * 48 * 30)
     state = np.zeros(space.unknowns)

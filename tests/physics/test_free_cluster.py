@@ -10,7 +10,7 @@ import pytest
 from ngcell.contact.methods.terms import ContactTerm
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.rings import ring_mesh
-from ngcell.mechanics.loads import BoundaryLoads
+from ngcell.mechanics.applied.potential import AppliedLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.mechanics.symbolic import fused
@@ -34,7 +34,7 @@ def free_cluster(rows: int, cols: int) -> SmallTissue:
 @pytest.mark.parametrize(("rows", "cols"), [(1, 2), (2, 2)])
 def test_no_cut_through_a_free_cluster_carries_a_force(rows, cols):
     tissue = free_cluster(rows, cols)
-    loads = BoundaryLoads(tissue.space, [Pressure("lumen", PRESSURE)], tissue.motion)
+    loads = AppliedLoads(tissue.space, [Pressure(boundary="lumen", value=PRESSURE)], tissue.motion)
     terms, contact = fused([tissue.bulk, loads]), ContactTerm(tissue.contact)
     apart, touching = (Problem(tissue.space, (*terms, *more), tissue.motion.fixed) for more in ((), (contact,)))
     path = Continuation(LAW.shear_modulus)

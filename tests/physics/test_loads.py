@@ -11,8 +11,7 @@ from scipy.optimize import brentq
 
 from ngcell.errors import GeometryError
 from ngcell.run import simulate
-from ngcell.scene import MooneyRivlin
-from ngcell.scene.bodies import Body, BodyScene, BodySupport, Pressure, Traction
+from ngcell.scene import Body, BodyScene, BodySupport, MooneyRivlin, Pressure, Traction
 from tests.physics.rig import Equilibrium, Rig, ring, rubber
 from tests.physics.test_thick_cylinder import INNER, OUTER, incompressible_pressure, quarter
 from tools.references.radial import RadialSolid, Ring, closing, inflated_radius, ring_with_free_rim
@@ -28,7 +27,7 @@ def tube(kappa: float, *, whole: bool, levels=(0.5, 1.0), order: int = 3) -> Bod
     return BodyScene(
         [Body(shape, material, "tube")],
         [] if whole else MIRRORS,
-        loads=[Pressure(bore, PRESSURE)],
+        loads=[Pressure(boundary=bore, value=PRESSURE)],
         size=0.25,
         order=order,
         levels=levels,
@@ -86,7 +85,7 @@ def test_a_pressure_closes_the_gap_of_two_rings(pressure):
     exact = closing(Ring(solid, 0.5, 1.0), Ring(solid, 1.1, 1.6), pressure)
     scene = BodyScene(
         [Body(ring(0.5, 1.0), rubber(kappa), "inner"), Body(ring(1.1, 1.6), rubber(kappa), "outer")],
-        loads=[Pressure("inner_hole0", pressure)],
+        loads=[Pressure(boundary="inner_hole0", value=pressure)],
         size=0.25,
         order=3,
         levels=3,
@@ -112,7 +111,7 @@ def test_a_dead_traction_stretches_a_block_uniaxially(traction, kappa):
     scene = BodyScene(
         [Body(face, rubber(kappa), "block")],
         [BodySupport("left", components=(True, False)), BodySupport("floor", components=(False, True))],
-        loads=[Traction("right", (traction, 0.0))],
+        loads=[Traction(boundary="right", vector=(traction, 0.0))],
         size=0.25,
         levels=2,
     )
@@ -124,6 +123,8 @@ def test_a_dead_traction_stretches_a_block_uniaxially(traction, kappa):
 
 
 def test_a_load_on_an_unknown_boundary_is_refused():
-    scene = BodyScene([Body(ring(0.5, 1.0), rubber(10.0), "tube")], loads=[Traction("tube_hole", (1.0, 0.0))])
+    scene = BodyScene(
+        [Body(ring(0.5, 1.0), rubber(10.0), "tube")], loads=[Traction(boundary="tube_hole", vector=(1.0, 0.0))]
+    )
     with pytest.raises(GeometryError, match=r"load tube_hole: no such boundary \(did you mean tube_hole0\?\); allowed"):
         simulate(scene)

@@ -12,7 +12,7 @@ from ngcell.build.checkpoint import Checkpoint
 from ngcell.build.observation import Step
 from ngcell.build.simulation import Simulation
 from ngcell.contact.methods.by_mortar import Mortar
-from ngcell.contact.methods.stages import ContactOptions
+from ngcell.contact.options import ContactOptions
 from ngcell.results.forces import body_resultants, contact_forces
 
 

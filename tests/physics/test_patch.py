@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from netgen import occ
 
-from ngcell.contact.methods.stages import ContactOptions
+from ngcell.contact.options import ContactOptions
 from ngcell.scene import Mortar
 from ngcell.scene.bodies import Body, BodyScene, BodySupport
 from tests.physics.rig import Equilibrium, Rig, rubber

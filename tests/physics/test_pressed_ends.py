@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import brentq
 
 from ngcell.build.simulation import Simulation
-from ngcell.mechanics.loads import BoundaryLoads
+from ngcell.mechanics.applied.potential import AppliedLoads
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.mechanics.term import Role
 from tests.prisms import case, last_step
@@ -39,7 +39,7 @@ def test_a_cell_between_pressed_ends_is_in_balance_at_the_stretch_of_the_closed_
     load = scene.load.model_copy(update={"ends": "pressed", "end_pressure": pressure})
     simulation = Simulation(scene)
     space = simulation.space
-    applied = BoundaryLoads(space, load.tractions(), PrescribedMotion(space, []))
+    applied = AppliedLoads(space, load.tractions(), PrescribedMotion(space, []))
     applied.apply(1.0)
     at = space.affine(np.diag([across, across, along]) - np.eye(3), np.zeros(3)).ravel()
     force = applied.gradient(space.configuration(at))
@@ -64,7 +64,7 @@ def test_pressed_ends_and_moved_plates_obey_the_theorem_of_betti():
     moved = list(simulation.accepted_steps())[-1]
     assert pressed.record.certified
     assert moved.record.certified
-    applied = BoundaryLoads(
+    applied = AppliedLoads(
         simulation.space,
         scene.load.model_copy(update={"ends": "pressed", "end_pressure": small}).tractions(),
         simulation.motion,
@@ -82,7 +82,7 @@ def test_stored_energy_is_the_work_of_the_pressure():
     simulation = Simulation(case(0.5, tissue=tissue, mesh=MESH, load=load))
     step = list(simulation.accepted_steps())[-1]
     assert step.record.certified
-    (loads,) = (term for term in simulation.problem.terms if isinstance(term, BoundaryLoads))
+    (loads,) = (term for term in simulation.problem.terms if isinstance(term, AppliedLoads))
     potential = loads.potential(step.displacement, 1.0)
     assert potential < 0
     assert step.record.energy == pytest.approx(-potential / 2, rel=1e-3)

@@ -44,4 +44,8 @@ def test_one_jump_through_a_beam_is_followed() -> None:
 
 def test_a_load_that_nothing_balances_is_a_bad_case() -> None:
     with pytest.raises(CaseError, match="nothing balances it"):
-        simulate(BodyScene((_block("a", 0.0, 1.0, 0.0, 1.0),), loads=(Traction("a_top", (0.1, 0.0)),), size=0.5))
+        simulate(
+            BodyScene(
+                (_block("a", 0.0, 1.0, 0.0, 1.0),), loads=(Traction(boundary="a_top", vector=(0.1, 0.0)),), size=0.5
+            )
+        )

@@ -55,7 +55,7 @@ def test_shells_pressed_together_bear_the_radial_solution():
         order=2,
         levels=1,
         contact=Penalty(stiffness=3.0),
-        loads=[Pressure("inside_inner", PRESSURE)],
+        loads=[Pressure(boundary="inside_inner", value=PRESSURE)],
     )
     simulation = Simulation(scene)
     step = list(simulation.accepted_steps())[-1]

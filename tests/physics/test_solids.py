@@ -101,7 +101,7 @@ def test_shell_under_inner_pressure_swells_as_the_radial_solution():
         size=0.4,
         order=3,
         levels=1,
-        loads=[Pressure("bore", load)],
+        loads=[Pressure(boundary="bore", value=load)],
     )
     simulation = Simulation(scene)
     step = list(simulation.accepted_steps())[-1]

@@ -15,10 +15,10 @@ from ngcell.contact.cohesion.exponential import Cohesion
 from ngcell.contact.methods.terms import CohesionTerm, ContactTerm
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.rings import ring_mesh
+from ngcell.mechanics.applied.potential import AppliedLoads
 from ngcell.mechanics.bulk import BodyEnergy, InclusionEnergy
 from ngcell.mechanics.fluid import LumenFluids
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
-from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.mechanics.symbolic import OwnEnergy
@@ -85,9 +85,9 @@ def cells(order: int, *, filled: bool = False) -> SmallTissue:
     return SmallTissue(lattice, bodies, space, PrescribedMotion(space, []))
 
 
-def loads(tissue: SmallTissue) -> BoundaryLoads:
-    given = [Pressure("lumen", 0.4), BodyForce("cell0", (0.3, -0.2))]
-    found = BoundaryLoads(tissue.space, given, tissue.motion)
+def loads(tissue: SmallTissue) -> AppliedLoads:
+    given = [Pressure(boundary="lumen", value=0.4), BodyForce(body="cell0", vector=(0.3, -0.2))]
+    found = AppliedLoads(tissue.space, given, tissue.motion)
     found.apply(0.7)
     return found
 
@@ -281,7 +281,7 @@ def test_only_fluids_and_loads_are_driven_and_only_bodies_soften():
     problem = sum_of(tissue, *TOGETHER["apart"][0])
     at = place(tissue, -0.04)
     assert [type(term) for term in problem.terms if term.drive(tissue.space.configuration(at), 1.0)] == [
-        BoundaryLoads,
+        AppliedLoads,
         LumenFluids,
     ]
     filled = sum_of(cells(1, filled=True), *TOGETHER["filled"][0])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from ngcell.mechanics.loads import BoundaryLoads
+from ngcell.mechanics.applied.potential import AppliedLoads
 from ngcell.problem.problem import Problem
 from ngcell.problem.unknowns import OwnUnknowns, TiedUnknowns
 from ngcell.scene import Pressure
@@ -125,7 +125,7 @@ def followers(tissue: SmallTissue) -> np.ndarray:
 def problems(order: int, *more: object) -> tuple[Problem, Problem]:
     """Bodies under pressure and with fluids: as they are, and tied."""
     tissue = tissue_of(order)
-    loads = BoundaryLoads(tissue.space, [Pressure("lumen", 0.2)], tissue.motion)
+    loads = AppliedLoads(tissue.space, [Pressure(boundary="lumen", value=0.2)], tissue.motion)
     loads.apply(1.0)
     fluid = fluids(tissue, fill=1.1)
     fluid.pressure = np.array([0.3, -0.2, 0.1, 0.05])

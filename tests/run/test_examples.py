@@ -12,7 +12,7 @@ LONGEST = 25
 
 
 def test_every_open_door_has_an_example() -> None:
-    doors = {"law", "cohesive_law", "contact", "tissue", "load", "observable", "strategy", "energy"}
+    doors = {"law", "cohesive_law", "contact", "tissue", "load", "body_load", "observable", "strategy", "energy"}
     assert {example.stem.removeprefix("own_") for example in EXAMPLES} >= doors
 
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import ClassVar, Literal
 
 import pytest
 from click.testing import CliRunner
+from pydantic import BaseModel, ConfigDict
 
 from ngcell.cli import ngcell
 from ngcell.errors import CaseError
@@ -20,9 +22,11 @@ from ngcell.scene import (
     Ring,
     Traction,
     read_case,
+    register,
     resolved_toml,
     schema,
 )
+from ngcell.scene.registry import group
 
 MATERIAL = 'material = { kind = "mooney-rivlin", c1 = 0.5, c2 = 0.5, bulk_modulus = 100.0 }'
 GOOD = f"""\
@@ -123,6 +127,24 @@ WRONG: dict[str, tuple[tuple[str, str], int, str, str]] = {
         'one of "xy", "x", "y"',
     ),
     "load of nothing": (('"ring_inner"', '"bore"'), 34, 'loads[0].boundary = "bore"', "allowed: ring_inner, ring"),
+    "load in nothing": (
+        ('"pressure"\nboundary = "ring_inner"\nvalue = 0.1', '"body-force"\nbody = "rng"\nvector = [0, 1]'),
+        34,
+        'loads[0].body = "rng"',
+        "is no body; did you mean ring?; allowed: ring, slab",
+    ),
+    "force of three components": (
+        ('"pressure"\nboundary = "ring_inner"\nvalue = 0.1', '"body-force"\nbody = "ring"\nvector = [0, 1, 0]'),
+        32,
+        "loads[0]: force on ring: vector has 3 entries",
+        "allowed: 2",
+    ),
+    "force without direction": (
+        ('"pressure"\nboundary = "ring_inner"\nvalue = 0.1', '"body-force"\nbody = "ring"\nvector = [0, "1"]'),
+        35,
+        "loads[0].vector",
+        "allowed: two finite numbers",
+    ),
     "unknown load": (('"pressure"', '"presure"'), 33, 'loads[0].kind = "presure"', "did you mean pressure?"),
     "pressure not a number": (("value = 0.1", "value = nan"), 35, "loads[0].value = NaN", "a finite number"),
     "key of another load": (("value = 0.1", "value = 0.1\nvector = [1, 0]"), 36, "loads[0].vector", "is unknown"),
@@ -190,7 +212,7 @@ def test_case_says_bodies_supports_loads_and_numbers(tmp_path: Path) -> None:
         BodySupport("ring_x0", components=(True, False)),
         BodySupport("slab_right", translation=(-0.1, 0.0)),
     ]
-    assert [load.resolved for load in case.loads] == [Pressure("ring_inner", 0.1)]
+    assert list(case.loads) == [Pressure(boundary="ring_inner", value=0.1)]
     assert case.contact == Mortar()
     assert case.level_factors == (0.5, 1.0)
     assert case.smallest_step_count == 2
@@ -212,7 +234,7 @@ def test_overrides_reach_into_bodies(tmp_path: Path) -> None:
     assert case.bodies[1].material.c2 == 0.5
     assert case.contact == Penalty()
     assert case.smallest_step_count == 4
-    assert case.loads[0].resolved == Traction("ring_inner", (0.0, 1.0))
+    assert case.loads[0] == Traction(boundary="ring_inner", vector=(0.0, 1.0))
 
 
 def test_wrong_override_is_one_line(tmp_path: Path) -> None:
@@ -246,3 +268,31 @@ def test_schema_offers_both_kinds_of_case() -> None:
     assert {option["$ref"].rpartition("/")[2] for option in offered["else"]["anyOf"]} == {"Case", "BodyCase"}
     assert offered["$defs"]["BodyCase"]["required"] == ["bodies"]
     assert offered["$defs"]["BodyCase"]["additionalProperties"] is False
+
+
+class Weight(BaseModel):
+    """A load of a script: a force downwards in a whole body."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+    boundary: ClassVar[None] = None
+    pressure: ClassVar[float] = 0.0
+
+    kind: Literal["weight"] = "weight"
+    body: str
+    density: float
+
+    def check(self, dimension: int) -> None:
+        assert dimension == 2
+
+
+def test_a_case_may_name_a_load_that_a_script_registered(tmp_path: Path) -> None:
+    register("body-load", Weight)
+    try:
+        load = 'kind = "weight"\nbody = "slab"\ndensity = 2.0'
+        file = write(tmp_path, 'kind = "pressure"\nboundary = "ring_inner"\nvalue = 0.1', load)
+        case = read_case(file)
+        assert list(case.loads) == [Weight(body="slab", density=2.0)]
+        file.write_text(resolved_toml(case))
+        assert read_case(file) == case
+    finally:
+        del group("body-load").own["weight"]

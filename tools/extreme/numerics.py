@@ -57,8 +57,8 @@ def bad_meshes() -> Iterator[Point]:
             )
     for size in (1e-2, 1e-3):
         for name, contact in METHODS.items():
-            mesh = {"order": 2, "refine": [{"at": [1.0, 1.0], "within": size, "size": size / 2}]}
-            yield Point("mesh", f"graded to {size:g}, {name}", partial(blocks, contact=contact, mesh=mesh))
+            graded = {"order": 2, "refine": [{"at": [1.0, 1.0], "within": size, "size": size / 2}]}
+            yield Point("mesh", f"graded to {size:g}, {name}", partial(blocks, contact=contact, mesh=graded))
     for sizes in ((0.5, 0.02), (0.02, 0.5)):
         for name, contact in METHODS.items():
             yield Point("mesh", f"{sizes[0]:g} on {sizes[1]:g}, {name}", partial(blocks, sizes=sizes, contact=contact))

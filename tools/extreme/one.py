@@ -10,20 +10,14 @@ the decrement at which equilibria end.
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
-from functools import partial
+from contextlib import suppress
 from pathlib import Path
-from unittest.mock import patch
 
 import click
 
 import ngcell
-from ngcell import recording as recordings
-from ngcell.build.options import Options
-from ngcell.build.simulation import Simulation
 from ngcell.errors import NgcellError, NotConverged
-from ngcell.export import ResultFolder, read_restart
+from ngcell.export import read_restart
 from ngcell.export.restart import RESTART
 from tools.commands import described
 from tools.extreme.condition import condition
@@ -37,29 +31,18 @@ from tools.studies.numbers import with_tolerance
 def command(case: Path, folder: Path, tolerance: float) -> None:
     """Run CASE into FOLDER."""
     last, scene = None, ngcell.read_case(case)
-    with _recorded(with_tolerance(tolerance)):
-        try:
-            recording = ngcell.record(scene, folder, threads=1, force=True)
-            for _ in recording:
-                last = read_restart(folder).checkpoint if (folder / RESTART).exists() else last
-            code = 0 if recording.certified else NotConverged.exit_code
-        except NgcellError as error:
-            click.echo(str(error), err=True)
-            code = error.exit_code
+    try:
+        options = with_tolerance(tolerance)
+        recording = ngcell.record(scene, folder, options=options, threads=1, force=True, pictures=False)
+        for _ in recording:
+            last = read_restart(folder).checkpoint if (folder / RESTART).exists() else last
+        code = 0 if recording.certified else NotConverged.exit_code
+    except NgcellError as error:
+        click.echo(str(error), err=True)
+        code = error.exit_code
     found = float("nan")
     if last is not None and "displacement_released" in last:
         with suppress(RuntimeError):
             found = condition(scene, last["displacement_released"])
     click.echo(f"{found:.3g}")
     sys.exit(code)
-
-
-@contextmanager
-def _recorded(options: Options) -> Iterator[None]:
-    """Let runs into result folders take these options, and leave out their pictures, which take longer than the runs.
-
-    `ngcell.record` takes neither; that the options arrive is tested.
-    """
-    simulation = partial(Simulation, options=options)
-    with patch.object(recordings, "Simulation", simulation), patch.object(ResultFolder, "draw"):
-        yield

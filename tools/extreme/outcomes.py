@@ -122,8 +122,8 @@ def difference(one: Row, other: Row, units: tuple[float, float] = (1.0, 1.0)) ->
     """Return the largest relative difference of the compared numbers, `one` in other units of length and stress."""
     length, stress = units
     return max(
-        abs(getattr(one, name) / (length**lengths * stress**stresses) - getattr(other, name))
-        / max(abs(getattr(other, name)), 1e-3)
+        abs(float(getattr(one, name)) / (length**lengths * stress**stresses) - float(getattr(other, name)))
+        / max(abs(float(getattr(other, name))), 1e-3)
         for name, (lengths, stresses) in COMPARED.items()
     )
 

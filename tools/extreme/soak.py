@@ -23,6 +23,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import monotonic
+from typing import Any
 
 import click
 
@@ -165,7 +166,9 @@ def command(kills: int, minutes: float, seed: int) -> None:
                 done += counted["kills"]
             shutil.rmtree(folder, ignore_errors=True)
             number += 1
-    rows = [{"scene": scene, "signal": name, **counted} for (scene, name), counted in sorted(found.items())]
+    rows: list[dict[str, Any]] = [
+        {"scene": scene, "signal": name, **counted} for (scene, name), counted in sorted(found.items())
+    ]
     sums = {column: sum(row.get(column, 0) for row in rows) for column in COLUMNS[2:]}
     rows.append({"scene": "all", "signal": "", **sums})
     tables.write(RESULTS / "soak.csv", COLUMNS, ({column: row.get(column, 0) for column in COLUMNS} for row in rows))

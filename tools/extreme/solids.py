@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
+from typing import Any
 
 from tools.extreme.scenes import Case, height, material, tissue
 
@@ -14,7 +15,7 @@ Entry = tuple[str, partial[Case], str]
 def prisms(
     rows: int = 1, cols: int = 2, wall: float = 0.1, *, tall: float = 1.0, slices: int = 1,
     end_wall: float | None = None, ends: str | None = None, load: Case | None = None,
-    move: tuple[float, float] = (0.2, 0.0), **more: object,
+    move: tuple[float, float] = (0.2, 0.0), **more: Any,
 ) -> Case:  # fmt: skip
     """A tissue of prisms, sheared between plates or moved at its ends."""
     case = tissue(rows, cols, wall, move=move, mesh={"order": 2, "size": 0.5, "slices": slices}, **more)

@@ -68,7 +68,7 @@ def write_page() -> None:
     }  # fmt: skip
     numbers = {"energy", "plate_force_x", "mean_gap"}
     order = [(case, settings, strategy) for case, settings, both in listed() for strategy in both]
-    rows = sorted(tables.read(TABLE), key=lambda row: order.index(tuple(row[key] for key in KEYS)))
+    rows = sorted(tables.read(TABLE), key=lambda row: order.index((row["case"], row["settings"], row["strategy"])))
     lines = [[f"{float(row[key]):.4g}" if key in numbers and row[key] else row[key] for key in columns] for row in rows]
     head = "# Certificates of the 5x7 tissue\n\n`python -m tools.references certify`; the last step of each run\n\n"
     PAGE.write_text(f"{head}{tables.markdown(list(columns.values()), lines)}\n", encoding="utf-8")

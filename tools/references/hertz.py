@@ -25,6 +25,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import ngcell
+from ngcell import BodyCase
 from tools.commands import described
 from tools.places import DOCS
 from tools.solutions import solved
@@ -101,6 +102,7 @@ def profile(problem: str, share: float, method: str) -> Profile:
     """Solve a case at a share of its load, with elements that shrink with the half-width."""
     name, radius, (wall, _) = PROBLEMS[problem]
     case = ngcell.read_case(name, [f"levels=[{share}]", f"contact.kind={method}"])
+    assert isinstance(case, BodyCase)
     zones = tuple(
         zone.model_copy(update={"within": zone.within * sqrt(share), "size": zone.size * sqrt(share)})
         for zone in case.mesh.refine

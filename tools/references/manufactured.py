@@ -96,7 +96,7 @@ class Exact:
         """Contact pressure per reference length, at places on the lower wall."""
         step = 1e-30
         slopes = [part.imag / step for part in _curve(below + 1j * step, np)]
-        return self.pressure(below) * np.hypot(*slopes)
+        return np.asarray(self.pressure(below) * np.hypot(*slopes))
 
     def gradient(self, body: str) -> Any:
         """Displacement gradient of a body, a coefficient function."""
@@ -114,9 +114,11 @@ class Exact:
             gradient = ngsolve.Id(2) + self.gradient(body)
             stress = first_piola(*(gradient[i, j] for i in range(2) for j in range(2)))
             force = [-(stress[2 * i].Diff(ngsolve.x) + stress[2 * i + 1].Diff(ngsolve.y)) for i in range(2)]
-            loads.append(BodyForce(body, _always(*(part.Compile() for part in force))))
+            loads.append(BodyForce(body=body, vector=_always(*(part.Compile() for part in force))))
             borne = (-pressure * gradient[1, 0], pressure * gradient[0, 0])  # p cof(F) applied to (0, 1)
-            loads.append(Traction(wall, _always(*(normal * (stress[2 * i + 1] + borne[i]) for i in range(2)))))
+            loads.append(
+                Traction(boundary=wall, vector=_always(*(normal * (stress[2 * i + 1] + borne[i]) for i in range(2))))
+            )
         return loads
 
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import click
 import numpy as np
@@ -121,7 +122,7 @@ def peeled(scene: BodyScene) -> Iterator[dict[str, float]]:
 @click.option("--order", default=3, show_default=True)
 @click.option("--steps", default=40, show_default=True)
 @click.option("--out", type=click.Path(path_type=Path), default=TABLE, show_default="tools/results/peel.csv")
-def command(out: Path, **numbers: float) -> None:
+def command(out: Path, **numbers: Any) -> None:
     """Peel, write the table and show it."""
     rows = []
     for row in peeled(strip(**numbers)):

@@ -25,7 +25,7 @@ LUMENS = {
 HEIGHT = 0.5
 
 
-def sheared(rows: int, cols: int, lumen: dict[str, object] | None, height: float | None) -> Any:
+def sheared(rows: int, cols: int, lumen: Any, height: float | None) -> Any:
     """Shear a tissue by a plate displacement of 0.4 and return the last step; without a height it is planar."""
     prismatic = height is not None
     table = {

@@ -134,7 +134,7 @@ def inflated_radius(solid: RadialSolid, inner: float, outer: float, pressure: fl
     def excess(radius: float) -> float:
         return ring_with_free_rim(solid, inner, radius, outer).inner_pressure - pressure
 
-    return brentq(excess, *_bracket(excess, inner, 1.02), xtol=1e-12)
+    return float(brentq(excess, *_bracket(excess, inner, 1.02), xtol=1e-12))
 
 
 def press_fit(inside: Ring, outside: Ring) -> NestedState:
@@ -210,7 +210,7 @@ def _across(solid: RadialSolid, start: float, end: float, radius: float, pressur
     return position, _pressure(solid, end, position, stretch)
 
 
-def _march(solid: RadialSolid, start: float, end: float, radius: float, stretch: float) -> list[float]:
+def _march(solid: RadialSolid, start: float, end: float, radius: float, stretch: float) -> tuple[float, float]:
     """r and r' at `end`, from those at `start`."""
 
     def rate(place: float, state: Any) -> list[Any]:
@@ -222,11 +222,12 @@ def _march(solid: RadialSolid, start: float, end: float, radius: float, stretch:
         return [radial, -change / by_radial]
 
     path = solve_ivp(rate, (start, end), (radius, stretch), method="DOP853", rtol=1e-12, atol=1e-13)
-    return path.y[:, -1].tolist()
+    position, slope = path.y[:, -1]
+    return float(position), float(slope)
 
 
 def _pressure(solid: RadialSolid, rest: float, radius: float, stretch: float) -> float:
-    return -solid.slopes(stretch, radius / rest)[0] * (rest / radius) ** solid.around
+    return -float(solid.slopes(stretch, radius / rest)[0]) * (rest / radius) ** solid.around
 
 
 @described(__doc__)

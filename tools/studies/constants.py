@@ -60,6 +60,9 @@ CHANGES: dict[str, tuple[float, ...]] = {
     "contact.stage_factor": (5.0, 20.0),
     "contact.handover_multiple": (2.0, 5.0),
     "contact.mortar_multiple": (1.0, 10.0),
+    "contact.between": (1.5, 4.0),
+    "contact.allowed": (1.25e-4, 5e-4),
+    "contact.facing": (-0.9, -0.7),
 }
 
 

@@ -136,6 +136,7 @@ def draw_free() -> None:
     names = ("largest_gap", "mean_gap", "parted_pairs", "certified")
     click.echo(", ".join(f"{name} {getattr(step.record, name)}" for name in names))
     title = "Pressure 0.02, free sides, no shear"
+    assert step.snapshot is not None  # the last step is at a level
     draw_tissue(step.snapshot, DOCS / "pressure-free.png", title=title, certified=step.record.certified)
 
 

@@ -25,7 +25,7 @@ import click
 import numpy as np
 import pyvista
 
-from ngcell import read_case
+from ngcell import Case, read_case
 from tools import tables
 from tools.commands import described
 from tools.places import RESULTS
@@ -76,6 +76,7 @@ def run(setting: Setting, timeout: float) -> Ended:
 def row(setting: Setting, process: Ended, code: str) -> dict[str, Any]:
     """Return a row of the table."""
     case = read_case(setting.case, setting.overrides)
+    assert isinstance(case, Case) and case.strategy is not None
     tissue = case.tissue
     last: dict[str, Any] = (released_rows(setting.folder) or [{}])[-1]
     summary = summary_in(setting.folder)

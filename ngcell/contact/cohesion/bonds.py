@@ -26,6 +26,7 @@ from scipy import sparse
 from ngcell.contact.cohesion.law import CohesiveLaw
 from ngcell.contact.gap.kinematics import GapKinematics
 from ngcell.contact.gap.midsurface import midsurface_kinematics
+from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
 from ngcell.contact.pairing.mortar_points import mortar_points
 from ngcell.contact.pairing.near import near_facets
 from ngcell.contact.surface.surface import Surface
@@ -160,7 +161,7 @@ class Bonds:
         return blocks
 
 
-def bond_walls(walls: Surface, law: CohesiveLaw) -> Bonds:
+def bond_walls(walls: Surface, law: CohesiveLaw, options: ContactOptions = DEFAULT_OPTIONS) -> Bonds:
     """Bond all walls that coincide at rest, each pair by the points of a Gauss rule; meshes need not match.
 
     Raises
@@ -171,7 +172,7 @@ def bond_walls(walls: Surface, law: CohesiveLaw) -> Bonds:
     reach = _COINCIDENCE * float(walls.sizes.min())
     one, two = near_facets(walls, walls.rest, reach)
     first = walls.body[one] < walls.body[two]
-    pairs = mortar_points(walls, walls.rest, one[first], two[first], reach)
+    pairs = mortar_points(walls, walls.rest, one[first], two[first], reach, options.facing)
     points = walls.places(pairs.primary, pairs.primary_xi, walls.rest)
     apart = np.linalg.norm(points - walls.places(pairs.secondary, pairs.secondary_xi, walls.rest), axis=1)
     pairs = pairs.chosen(apart < reach)

@@ -11,7 +11,7 @@ from pydantic import BaseModel
 from ngcell.contact.methods.mortar import MortarContact
 from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
 from ngcell.contact.methods.protocol import ContactMethod
-from ngcell.contact.methods.stages import DEFAULT_OPTIONS, ContactOptions
+from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
 from ngcell.contact.surface.surface import Surface
 from ngcell.scene.section import SECTION
 
@@ -35,7 +35,7 @@ class Mortar(BaseModel):
             for multiple in (options.path_multiple, options.handover_multiple, options.mortar_multiple)
         )
         return (
-            PenaltyContact(walls, path, reach),
-            PenaltyContact(walls, handover, reach, may_stiffen=False),
-            MortarContact(walls, own, reach),
+            PenaltyContact(walls, path, reach, options=options),
+            PenaltyContact(walls, handover, reach, may_stiffen=False, options=options),
+            MortarContact(walls, own, reach, options),
         )

@@ -10,7 +10,7 @@ from pydantic import BaseModel
 
 from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
 from ngcell.contact.methods.protocol import ContactMethod
-from ngcell.contact.methods.stages import DEFAULT_OPTIONS, ContactOptions
+from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
 from ngcell.contact.surface.surface import Surface
 from ngcell.scene.section import SECTION, PositiveNumber
 
@@ -39,4 +39,4 @@ class Penalty(BaseModel):
         meant = options.penalty_multiple * self.stiffness
         multiples = (*options.path_multiples(meant), meant)
         stiffnesses = [penalty_stiffness(walls, modulus_of_body, multiple) for multiple in multiples]
-        return tuple(PenaltyContact(walls, stiffness, reach) for stiffness in stiffnesses)
+        return tuple(PenaltyContact(walls, stiffness, reach, options=options) for stiffness in stiffnesses)

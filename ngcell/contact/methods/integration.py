@@ -48,16 +48,18 @@ class SegmentIntegration:
         Distance up to which walls are paired [length].
     rank : array of int, shape (bodies,)
         Of a pair, the body with the lower rank has the multipliers.
+    limit : float
+        Product of normals below which facets face each other.
     """
 
-    def __init__(self, walls: EdgeSurface, reach: float, rank: Index) -> None:
-        self._walls, self._reach, self._rank = walls, reach, rank
+    def __init__(self, walls: EdgeSurface, reach: float, rank: Index, limit: float) -> None:
+        self._walls, self._reach, self._rank, self._limit = walls, reach, rank, limit
         self._near = NearFacets(walls, reach)
 
     def points(self, nodes: Array) -> tuple[ContactPairs, ContactPairs | None]:
         """Return the points of the segments of this state, and their ends."""
         primary, secondary = _with_multipliers(self._walls, self._rank, *self._near.pairs(nodes))
-        segments = find_segments(self._walls, nodes, primary, secondary)
+        segments = find_segments(self._walls, nodes, primary, secondary, self._limit)
         return segment_pairs(self._walls, nodes, segments, self._reach)
 
     def renew(self, nodes: Array) -> bool:
@@ -68,8 +70,8 @@ class SegmentIntegration:
 class IntersectionIntegration:
     """The rule in three dimensions; parameters as in the plane."""
 
-    def __init__(self, walls: FacetSurface, reach: float, rank: Index) -> None:
-        self._walls, self._reach, self._rank = walls, reach, rank
+    def __init__(self, walls: FacetSurface, reach: float, rank: Index, limit: float) -> None:
+        self._walls, self._reach, self._rank, self._limit = walls, reach, rank, limit
         self._near = NearFacets(walls, reach)
         self._search: PairSearch | None = None
         self._faced = np.zeros(0, dtype=np.int64)
@@ -86,7 +88,7 @@ class IntersectionIntegration:
         """Find the polygons at deformed nodes."""
         walls = self._walls
         primary, secondary = _with_multipliers(walls, self._rank, *self._near.pairs(nodes))
-        polygons = find_intersections(walls, nodes, primary, secondary)
+        polygons = find_intersections(walls, nodes, primary, secondary, self._limit)
         found = intersection_pairs(walls, nodes, polygons, self._reach)
         points = SurfacePoints(found.primary, found.primary_xi, found.weight)
         self._search = PairSearch(walls, points, self._reach)
@@ -95,7 +97,7 @@ class IntersectionIntegration:
 
 
 @singledispatch
-def integration(walls: Surface, reach: float, rank: Index) -> Integration:
+def integration(walls: Surface, reach: float, rank: Index, limit: float) -> Integration:
     """Return the rule for a surface; parameters as for `SegmentIntegration`."""
     raise NotImplementedError(type(walls))
 

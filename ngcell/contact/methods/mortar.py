@@ -10,10 +10,10 @@ three dimensions over intersection polygons, whose points are found where pressu
 A weighted gap does not notice where a corner, or two walls bent towards each other, sink in between its points: there
 the pressure is a point force, which no polynomial represents. So the vertices of both walls and the quarters of their
 facets are constrained, too. Each of these point constraints has a multiplier of its own, which acts once the point is
-deeper than an allowance: the share `ALLOWED` of its facet's size, plus the sagitta of the surface at rest. Surfaces of
-order 1 are polygons that stand for what bends; their sagitta is also taken where the continuation hands over to the
-mortar method. The allowance falls with the mesh; it keeps point constraints out of smooth contact, where they would
-take pressure from walls.
+deeper than an allowance: a share of its facet's size (`ContactOptions.allowed`), plus the sagitta of the surface at
+rest. Surfaces of order 1 are polygons that stand for what bends; their sagitta is also taken where the continuation
+hands over to the mortar method. The allowance falls with the mesh; it keeps point constraints out of smooth contact,
+where they would take pressure from walls.
 
 Conditions are met by the method of multipliers, a proximal form of the semismooth Newton (primal-dual active set)
 method: penalty terms ``stiffness min(0, gap - pressure / stiffness)^2 / 2`` have, at fixed pressures, an energy that
@@ -29,8 +29,6 @@ at sharp corners, so three cells that meet at a corner have three conditions on 
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
@@ -41,6 +39,7 @@ from ngcell.contact.methods.integration import integration
 from ngcell.contact.methods.mortar_set import MortarSet
 from ngcell.contact.methods.multipliers import MultiplierSpace, constrained_points, sagitta
 from ngcell.contact.methods.protocol import ContactMethod, ContactSet
+from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
 from ngcell.contact.pairing.near import adjacency, facing
 from ngcell.contact.pairing.pairs import ContactPairs, joined
 from ngcell.contact.pairing.search import PairSearch
@@ -49,8 +48,6 @@ from ngcell.contact.surface.surface import Surface, SurfacePoints
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-#: How deep a constrained point may sink in, as a share of the size of its facet.
-ALLOWED = 2.5e-4
 #: By how much penalty terms are stiffened where updates are slow, and at most in all.
 PENALTY_INCREASE, MOST_INCREASE = 10.0, 1e4
 
@@ -66,15 +63,19 @@ class MortarContact:
         Stiffness of the penalty terms of each facet [stress / length]; it sets the pace, not the result.
     reach : float
         Distance up to which walls are paired [length].
+    options : ContactOptions
+        The solver's own numbers.
     """
 
-    def __init__(self, walls: Surface, stiffness: Array, reach: float) -> None:
-        self.walls = walls
+    def __init__(
+        self, walls: Surface, stiffness: Array, reach: float, options: ContactOptions = DEFAULT_OPTIONS
+    ) -> None:
+        self.walls, self._options = walls, options
         self.stiffness = stiffness
         self.reach = reach
         self.space = MultiplierSpace(walls)
         self._rank = _softer_first(walls, stiffness)
-        self._integration = integration(walls, reach, self._rank)
+        self._integration = integration(walls, reach, self._rank, options.facing)
         constrained = constrained_points(walls)
         self._constrained_facet, self._bodies = constrained.facet, int(walls.body.max()) + 1
         self._constrained = PairSearch(walls, constrained, reach)
@@ -90,7 +91,7 @@ class MortarContact:
         rise = sagitta(self.walls, self.walls.rest)
         if self.walls.basis.order == 1:
             rise = np.maximum(rise, sagitta(self.walls, nodes))
-        allowance = ALLOWED * self.walls.sizes + rise
+        allowance = self._options.allowed * self.walls.sizes + rise
         return self._all_rows(np.zeros(self.space.size), allowance[self._constrained_facet])
 
     def _all_rows(self, by_function: Array, by_point: Array) -> Array:
@@ -172,14 +173,13 @@ class MortarContact:
         on_primary = has_multiplier.reshape(-1, *(1,) * (pairs.primary_xi.ndim - 1))
         xi = np.where(on_primary, pairs.primary_xi, pairs.secondary_xi)
         pressure = (self.space.values(xi) * multipliers[self.space.row[facet]]).sum(1)
-        acts = facing(self.walls, nodes, pairs.primary, pairs.secondary) & (has_multiplier | ~pairs.at_end)
+        faces = facing(self.walls, nodes, pairs.primary, pairs.secondary, self._options.facing)
+        acts = faces & (has_multiplier | ~pairs.at_end)
         largest = np.zeros(len(points.facet))
         np.maximum.at(largest, pairs.point, np.where(acts, pressure, 0.0))
         return largest
 
-    def update_multipliers(
-        self, contact: ContactSet, positions: Array, stored: Callable[[], float]
-    ) -> tuple[float, float]:
+    def update_multipliers(self, contact: ContactSet, positions: Array, stored: float) -> tuple[float, float]:
         """Take the pressures of an equilibrium as multipliers; return the largest gap [length] that their change stands
         for, and the energy of that change in the penalty terms [stress * length**2]."""
         assert isinstance(contact, MortarSet)

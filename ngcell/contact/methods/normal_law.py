@@ -19,7 +19,7 @@ from scipy import sparse
 from ngcell.contact.gap.by_surface import gap_kinematics
 from ngcell.contact.gap.kinematics import GapKinematics
 from ngcell.contact.methods.penalty import couplings_of_near_facets, penalty_stiffness
-from ngcell.contact.methods.stages import DEFAULT_OPTIONS, ContactOptions
+from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
 from ngcell.contact.pairing.pairs import ContactPairs
 from ngcell.contact.pairing.search import PairSearch
 from ngcell.contact.surface.surface import Surface, SurfacePoints
@@ -82,7 +82,10 @@ class NormalLawTerm(Term):
 
     def found(self, at: Configuration) -> GapKinematics:
         """Return the contact pairs at a configuration."""
-        return at.once(self, self._kinematics)
+        if self not in at.found:
+            at.found[self] = self._kinematics(at.positions)
+        found: GapKinematics = at.found[self]
+        return found
 
     def _kinematics(self, positions: Array) -> GapKinematics:
         return gap_kinematics(self.walls, self._search.pairs(self.walls.nodes(positions)), positions)

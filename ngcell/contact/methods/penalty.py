@@ -14,7 +14,6 @@ made finer instead, once, if the surface has a finer one.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -25,6 +24,7 @@ from scipy import sparse
 from ngcell.contact.gap.by_surface import gap_kinematics
 from ngcell.contact.gap.kinematics import GapKinematics
 from ngcell.contact.methods.protocol import ContactMethod, ContactSet
+from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
 from ngcell.contact.pairing.near import adjacency
 from ngcell.contact.pairing.pairs import ContactPairs
 from ngcell.contact.pairing.search import PairSearch
@@ -36,8 +36,6 @@ Index = NDArray[np.int64]
 #: Overlap over reach, and energy of the penalty terms over the stored one, above which penalty terms are too soft. A
 #: certificate has the same limits. Overlaps below `NO_OVERLAP` over reach are none.
 DEEP, HIGH, NO_OVERLAP = 0.02, 0.01, 1e-7
-#: Overlap between the points of the rule over that at them, above which the rule is to blame, not the penalty terms.
-BETWEEN = 2.0
 #: Factor by which penalty terms that are too soft are made stiffer, and the most that all such factors make. The
 #: derived stiffness is that of a layer that may spread along the wall; one that is confined is stiffer by the ratio of
 #: bulk to shear modulus, and is followed up to a ratio of 1e8.
@@ -111,10 +109,20 @@ class PenaltyContact:
         Distance up to which walls are paired [length].
     may_stiffen : bool
         Whether penalty terms that turn out too soft are made stiffer.
+    options : ContactOptions
+        The solver's own numbers.
     """
 
-    def __init__(self, walls: Surface, stiffness: Array, reach: float, *, may_stiffen: bool = True) -> None:
-        self.walls = walls
+    def __init__(
+        self,
+        walls: Surface,
+        stiffness: Array,
+        reach: float,
+        *,
+        may_stiffen: bool = True,
+        options: ContactOptions = DEFAULT_OPTIONS,
+    ) -> None:
+        self.walls, self._options = walls, options
         self._derived, self._factor = stiffness, 1.0
         self.reach = reach
         self._may_stiffen, self._stiffens = may_stiffen, False
@@ -162,9 +170,7 @@ class PenaltyContact:
         self._factor, self._stiffens = 1.0, self._may_stiffen and other is not self
         self._search = self._usual
 
-    def update_multipliers(
-        self, contact: ContactSet, positions: Array, stored: Callable[[], float]
-    ) -> tuple[float, float]:
+    def update_multipliers(self, contact: ContactSet, positions: Array, stored: float) -> tuple[float, float]:
         """Stiffen the penalty terms if they are too soft, and return the deepest overlap then, else zeros."""
         if not self._stiffens or self._factor >= MOST_STIFFENED:
             return 0.0, 0.0
@@ -172,10 +178,10 @@ class PenaltyContact:
         if deepest <= NO_OVERLAP * self.reach:
             return 0.0, 0.0
         between, finer = self._deepest_between(positions)
-        if finer is not None and between > max(DEEP * self.reach, BETWEEN * deepest):
+        if finer is not None and between > max(DEEP * self.reach, self._options.between * deepest):
             self._search = finer
             return between, 0.0
-        if deepest <= DEEP * self.reach and contact.energy(positions) <= HIGH * stored():
+        if deepest <= DEEP * self.reach and contact.energy(positions) <= HIGH * stored:
             return 0.0, 0.0
         self._factor *= STIFFEN
         return deepest, 0.0

@@ -9,7 +9,6 @@ into the true pressure where it is reported.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
@@ -83,11 +82,9 @@ class ContactMethod(Protocol):
     def follow(self, other: ContactMethod, positions: Array) -> None:
         """Start from the pressures of another method at an equilibrium of its own, and forget all others."""
 
-    def update_multipliers(
-        self, contact: ContactSet, positions: Array, stored: Callable[[], float]
-    ) -> tuple[float, float]:
-        """Update the multipliers from an equilibrium, whose stored energy `stored` returns; return what it still misses
-        of conditions.
+    def update_multipliers(self, contact: ContactSet, positions: Array, stored: float) -> tuple[float, float]:
+        """Update the multipliers from an equilibrium with this stored energy; return what it still misses of
+        conditions.
 
         That is the largest gap [length], and the energy [stress * length**2] of the penalty terms that stand for the
         missed gaps; both are 0 where there is nothing to be updated.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -57,7 +57,10 @@ class ContactTerm(Term):
 
     def found(self, at: Configuration) -> ContactSet:
         """Return the contact pairs at a configuration."""
-        return at.once(self, self.method.pair)
+        if self not in at.found:
+            at.found[self] = self.method.pair(at.positions)
+        found: ContactSet = at.found[self]
+        return found
 
     def value(self, at: Configuration) -> float:
         """Return the energy of the contact conditions."""
@@ -91,7 +94,7 @@ class ContactTerm(Term):
         assert isinstance(before, ContactTerm)
         self.method.follow(before.method, at.positions)
 
-    def update_multipliers(self, at: Configuration, stored: Callable[[], float]) -> tuple[float, float]:
+    def update_multipliers(self, at: Configuration, stored: float) -> tuple[float, float]:
         """Let the method update its pressures, or its penalty."""
         return self.method.update_multipliers(self.found(at), at.positions, stored)
 

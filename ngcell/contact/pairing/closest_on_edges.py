@@ -22,20 +22,25 @@ def nearest_candidates(
     walls: EdgeSurface, nodes: Array, group: Index, facet: Index, point: Array, reach: float
 ) -> Index:
     """Return the candidates whose chord is, up to the edge's sagitta, the nearest of the same body."""
-    body, nodes = walls.body[facet], nodes[facet]
-    chord = nodes[:, -1] - nodes[:, 0]
-    length2 = np.einsum("pd,pd->p", chord, chord)
-    offset = point - nodes[:, 0]
-    xi = np.clip(np.einsum("pd,pd->p", offset, chord) / length2, 0, 1)
+    body, start = walls.body[facet], nodes[facet, 0]
+    chords = nodes[:, -1] - nodes[:, 0]
+    lengths2 = np.einsum("pd,pd->p", chords, chords)
+    chord, offset = chords[facet], point - start
+    xi = np.clip(np.einsum("pd,pd->p", offset, chord) / lengths2[facet], 0, 1)
     distance = np.linalg.norm(offset - xi[:, None] * chord, axis=1)
-    sagitta = 0.5 * np.linalg.norm(np.diff(nodes, axis=1), axis=2).sum(1) - 0.5 * np.sqrt(length2)
-    sagitta = np.sqrt(np.maximum(sagitta * np.sqrt(length2), 0)) * 1.5 + 1e-12 * np.sqrt(length2)
+    sagitta = _sagittas(nodes, lengths2)[facet]
     near = np.flatnonzero(distance < reach + sagitta)
     key = group[near] * (body.max() + 1 if len(body) else 1) + body[near]
     _, member = np.unique(key, return_inverse=True)
     bound = np.full(member.max() + 1 if len(member) else 0, np.inf)
     np.minimum.at(bound, member, distance[near] + sagitta[near])
     return np.asarray(near[distance[near] - sagitta[near] <= bound[member]])
+
+
+def _sagittas(nodes: Array, lengths2: Array) -> Array:
+    """Return an upper bound of the distance [length] of each edge from its chord, from squared lengths of chords."""
+    detour = 0.5 * np.linalg.norm(np.diff(nodes, axis=1), axis=2).sum(1) - 0.5 * np.sqrt(lengths2)
+    return np.asarray(np.sqrt(np.maximum(detour * np.sqrt(lengths2), 0)) * 1.5 + 1e-12 * np.sqrt(lengths2))
 
 
 def closest_points(walls: EdgeSurface, nodes: Array, facet: Index, point: Array) -> tuple[Array, Array]:

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.contact.options import DEFAULT_OPTIONS
 from ngcell.contact.pairing.closest_on_facets import closest_points
 from ngcell.contact.pairing.near import facing
 from ngcell.contact.pairing.pairs import ContactPairs, feet
@@ -50,9 +51,14 @@ class IntersectionPolygons:
     polygon: Array
 
 
-def find_intersections(walls: FacetSurface, nodes: Array, primary: Index, secondary: Index) -> IntersectionPolygons:
-    """Return the polygons of pairs of facets at deformed nodes, shape (facets, nodes, 3) [length]."""
-    opposed = facing(walls, nodes, primary, secondary)
+def find_intersections(
+    walls: FacetSurface, nodes: Array, primary: Index, secondary: Index, limit: float = DEFAULT_OPTIONS.facing
+) -> IntersectionPolygons:
+    """Return the polygons of pairs of facets at deformed nodes, shape (facets, nodes, 3) [length].
+
+    Those whose normals multiply to `limit` or more do not face each other, and have none.
+    """
+    opposed = facing(walls, nodes, primary, secondary, limit)
     primary, secondary = primary[opposed], secondary[opposed]
     corner = nodes[:, walls.basis.corner_nodes]
     frame = _frames(corner, walls.chord_normals(nodes))[primary]

@@ -19,7 +19,9 @@ Index = NDArray[np.int64]
 
 
 @singledispatch
-def mortar_points(walls: Surface, nodes: Array, primary: Index, secondary: Index, reach: float) -> ContactPairs:
+def mortar_points(
+    walls: Surface, nodes: Array, primary: Index, secondary: Index, reach: float, limit: float
+) -> ContactPairs:
     """Return the Gauss points on what faces each other of pairs of facets, with their closest points.
 
     Parameters
@@ -32,15 +34,17 @@ def mortar_points(walls: Surface, nodes: Array, primary: Index, secondary: Index
         The facets that are integrated over, and those that they may face.
     reach : float
         Distance beyond which nothing is integrated [length].
+    limit : float
+        Product of normals below which facets face each other; see `ngcell.contact.options.ContactOptions`.
     """
     raise NotImplementedError(type(walls))
 
 
 @mortar_points.register
-def _(walls: EdgeSurface, nodes: Array, primary: Index, secondary: Index, reach: float) -> ContactPairs:
-    return segment_pairs(walls, nodes, find_segments(walls, nodes, primary, secondary), reach)[0]
+def _(walls: EdgeSurface, nodes: Array, primary: Index, secondary: Index, reach: float, limit: float) -> ContactPairs:
+    return segment_pairs(walls, nodes, find_segments(walls, nodes, primary, secondary, limit), reach)[0]
 
 
 @mortar_points.register
-def _(walls: FacetSurface, nodes: Array, primary: Index, secondary: Index, reach: float) -> ContactPairs:
-    return intersection_pairs(walls, nodes, find_intersections(walls, nodes, primary, secondary), reach)
+def _(walls: FacetSurface, nodes: Array, primary: Index, secondary: Index, reach: float, limit: float) -> ContactPairs:
+    return intersection_pairs(walls, nodes, find_intersections(walls, nodes, primary, secondary, limit), reach)

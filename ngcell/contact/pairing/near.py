@@ -12,10 +12,6 @@ from ngcell.geometry.near import near_pairs
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-#: Facets face each other while the normals of their chords differ from opposite by less than about 37 degrees. A corner
-#: that presses with a steeper angle acts at its tip.
-FACING = -0.8
-
 
 class NearFacets:
     """Ordered pairs of facets of different bodies within reach, kept while nothing has moved far.
@@ -52,7 +48,7 @@ def near_facets(walls: Surface, nodes: Array, reach: float) -> tuple[Index, Inde
     return np.concatenate([one, two]), np.concatenate([two, one])
 
 
-def facing(walls: Surface, nodes: Array, one: Index, two: Index, limit: float = FACING) -> NDArray[np.bool_]:
+def facing(walls: Surface, nodes: Array, one: Index, two: Index, limit: float) -> NDArray[np.bool_]:
     """Return which pairs of facets face each other: the product of their chords' normals lies below `limit`."""
     normal = walls.chord_normals(nodes)
     return np.asarray(np.einsum("ed,ed->e", normal[one], normal[two]) < limit)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.contact.options import DEFAULT_OPTIONS
 from ngcell.contact.pairing.closest_on_edges import closest_points
 from ngcell.contact.pairing.near import facing
 from ngcell.contact.pairing.pairs import ContactPairs, feet
@@ -42,9 +43,14 @@ class Segments:
     at: Array
 
 
-def find_segments(walls: EdgeSurface, nodes: Array, primary: Index, secondary: Index) -> Segments:
-    """Return the segments of pairs of edges at deformed nodes, shape (edges, order + 1, 2) [length]."""
-    opposed = facing(walls, nodes, primary, secondary)
+def find_segments(
+    walls: EdgeSurface, nodes: Array, primary: Index, secondary: Index, limit: float = DEFAULT_OPTIONS.facing
+) -> Segments:
+    """Return the segments of pairs of edges at deformed nodes, shape (edges, order + 1, 2) [length].
+
+    Those whose normals multiply to `limit` or more do not face each other, and have none.
+    """
+    opposed = facing(walls, nodes, primary, secondary, limit)
     primary, secondary = primary[opposed], secondary[opposed]
     at = np.column_stack([_projected(walls, nodes, primary, secondary, end) for end in (0, 1)])
     kept = np.ptp(at, axis=1) > _SLIVER

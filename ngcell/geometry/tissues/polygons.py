@@ -72,10 +72,6 @@ class PolygonTissue:
         faces = enumerate(self.faces)
         return tuple(Body(face, material, f"{self.name}{number}") for number, face in faces)
 
-    def outer_boundaries(self) -> tuple[str, ...]:
-        """Return the names of the boundaries of outer sides, for supports and loads."""
-        return tuple(f"{self.name}{number}_outer" for number, cell in enumerate(self._is_outer) if cell.any())
-
     @cached_property
     def faces(self) -> tuple[occ.Face, ...]:
         """Face of each cell, in the plane z = 0, with the names of its sides."""

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, Field, Strict
 
 from ngcell.geometry.bodies import LOWER_END, UPPER_END
+from ngcell.mechanics.applied.traction import Traction
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
-from ngcell.scene.bodies import Traction
 from ngcell.scene.levels import Levels, level_factors
 from ngcell.scene.scope import is_planar, refuse
 from ngcell.scene.section import SECTION

@@ -14,9 +14,9 @@ from pydantic import BaseModel, model_validator
 from pydantic_core import PydanticCustomError
 
 from ngcell.geometry.bodies import LOWER_END, UPPER_END
+from ngcell.mechanics.applied.traction import Traction
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
-from ngcell.scene.bodies import Traction
 from ngcell.scene.levels import Levels, level_factors
 from ngcell.scene.scope import only_for_prisms, refuse
 from ngcell.scene.section import SECTION
@@ -97,7 +97,7 @@ class EndsOfPrisms(BaseModel):
 
     def held_ends(self, space: DisplacementSpace) -> list[Support]:
         """Return the supports that hold the ends of prisms along z."""
-        if space.dimension == 2 or self.ends != "held":
+        if self.ends != "held":  # which planar cells refuse, see `check_scope`
             return []
         return [Support(f"{UPPER_END}|{LOWER_END}", np.zeros((3, 3)), np.zeros(3), (False, False, True))]
 
@@ -108,8 +108,8 @@ class EndsOfPrisms(BaseModel):
         """
         if self.end_pressure is None:
             return ()
-        along = (0.0, 0.0, self.end_pressure)
-        return Traction(UPPER_END, (0.0, 0.0, -self.end_pressure)), Traction(LOWER_END, along)
+        ends = ((UPPER_END, -self.end_pressure), (LOWER_END, self.end_pressure))
+        return tuple(Traction(boundary=end, vector=(0.0, 0.0, along)) for end, along in ends)
 
 
 def check_one_given(**choices: object) -> None:

@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, Strict
 
 from ngcell.geometry.tissues.protocol import Lumens, TissueGeometry
+from ngcell.mechanics.applied.boundary_pressure import Pressure
+from ngcell.mechanics.applied.potential import AppliedLoads
 from ngcell.mechanics.laws.law import HyperelasticLaw
-from ngcell.mechanics.loads import BoundaryLoads
 from ngcell.mechanics.lumens.lumen import CLOSED
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.mechanics.term import Term
-from ngcell.scene.bodies import Pressure
 from ngcell.scene.scope import is_planar, refuse
 from ngcell.scene.section import SECTION, NonNegativeNumber
 
@@ -79,5 +79,5 @@ class CellPressure(BaseModel):
         """Return the pressures on all regions as one term."""
         given = self.of_cells(tissue)
         pressures = ((name, float(given[cells[0]])) for name, cells in self.regions(tissue).items())
-        loads = [Pressure(name, value) for name, value in pressures if value > 0]
-        return (BoundaryLoads(space, loads, motion, in_full=self.ramp == "first", cell_pressure=given),)
+        loads = [Pressure(boundary=name, value=value) for name, value in pressures if value > 0]
+        return (AppliedLoads(space, loads, motion, in_full=self.ramp == "first", cell_pressure=given),)

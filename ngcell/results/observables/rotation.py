@@ -28,7 +28,7 @@ class Rotation(BaseModel):
     def values(self, view: View) -> NDArray[np.float64]:
         """Return the rotation of each body, shape (bodies,)."""
         space = view.problem.space
-        body, one, count = space.body_of_unknown, space.one, space.bodies.body_count
+        body, one, count = space.body_of_unknown, space.one, space.body_count
         number, rest_positions = np.bincount(body, one, count), space.rest
         rest, moved = (
             np.array([row - (np.bincount(body, row * one, count) / number)[body] for row in places[:2]]) * one

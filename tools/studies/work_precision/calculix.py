@@ -86,8 +86,8 @@ def deck_of(setting: Setting) -> tuple[str, dict[int, tuple[float, float]]]:
     for name, vertices in _vertices(mesh).items():
         lines.append(f"*NSET, NSET={name.upper()}")
         lines += [f"{n + 1}," for n in vertices]
-        sides = [of_edge[pair] for pair in middle if pair[0] in vertices and pair[1] in vertices] if curved else []
-        whole = [layer * count + n + 1 for layer in range(layers) for n in (*vertices, *sides)]
+        across = [of_edge[pair] for pair in middle if pair[0] in vertices and pair[1] in vertices] if curved else []
+        whole = [layer * count + n + 1 for layer in range(layers) for n in (*vertices, *across)]
         lines.append(f"*NSET, NSET={name.upper()}-ALL")
         lines += [f"{n}," for n in whole]
     for name in ("inner-rim", "outer-bore", "inner-bore"):

@@ -144,7 +144,7 @@ def groups_of(exact: list[Row], tissues: list[Row]) -> dict[str, list[Row]]:
 
 def worst(rows: list[Row]) -> float:
     """Return the largest error of any problem and quantity."""
-    return max(row[what] for row in rows for what in WHAT if isinstance(row.get(what), float))
+    return max(float(row[what]) for row in rows for what in WHAT if isinstance(row.get(what), float))
 
 
 def choices(rows: list[Row]) -> list[Row]:

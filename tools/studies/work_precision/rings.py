@@ -14,6 +14,7 @@ cylinder
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
@@ -84,7 +85,7 @@ def scene(problem: str, contact: Any, order: int, size: float) -> BodyScene:
     for body in ("inner", "outer"):
         supports.append(BodySupport(f"{body}-x", components=(False, True)))
         supports.append(BodySupport(f"{body}-y", components=(True, False)))
-    loads = [] if pressure is None else [Pressure("inner-bore", pressure)]
+    loads = [] if pressure is None else [Pressure(boundary="inner-bore", value=pressure)]
     return BodyScene(bodies, supports, size=size, order=order, levels=1, contact=contact, loads=loads)
 
 
@@ -105,24 +106,25 @@ def quarter(bore: float, rim: float, name: str, size: float) -> Any:
 def errors(problem: str, solution: Solution) -> dict[str, float]:
     """Return relative errors of the last step."""
     sides = [solution.resultant(f"outer-{side}") for side in "xy"]
-    return compared(problem, *map(solution.places, BOUNDARIES), hoop=-float(sides[0][1] + sides[1][0]) / 2)
+    places = [solution.places(boundary) for boundary in BOUNDARIES]
+    return compared(problem, places, hoop=-float(sides[0][1] + sides[1][0]) / 2)
 
 
-def compared(problem: str, bore: Any, interface: Any, opposite: Any, hoop: float) -> dict[str, float]:
+def compared(problem: str, circles: Sequence[Any], hoop: float) -> dict[str, float]:
     """Return relative errors: the largest of the lengths, that of the pressure, and that of the hoop force.
 
     Parameters
     ----------
     problem : str
         Name of the problem.
-    bore, interface, opposite : array of float, shape (n, 2)
-        Deformed places on the circles `BOUNDARIES` [length].
+    circles : sequence of array of float, shape (n, 2)
+        Deformed places on each of the circles `BOUNDARIES` [length].
     hoop : float
         Pull of the supports on a plane of symmetry of the outer ring [stress * length]; it bears the pressure.
     """
     name, _ = split(problem)
     right = exact(problem)
-    radii = [float(np.linalg.norm(places, axis=1).mean()) for places in (bore, interface, opposite)]
+    radii = [float(np.linalg.norm(places, axis=1).mean()) for places in circles]
     found = []
     if name != "pulled":
         found += [abs(radius / right[what] - 1) for what, radius in zip(("bore", "interface"), radii, strict=False)]

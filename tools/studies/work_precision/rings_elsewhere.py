@@ -21,7 +21,7 @@ def mesh_and_stiffness(setting: Setting) -> tuple[ngsolve.Mesh, float]:
 
 def row(setting: Setting, at: list[Any], hoop: float, unknowns: int, iterations: int, seconds: float) -> dict[str, Any]:
     """Return what is compared of a solution: places on the circles, hoop force, and what it took."""
-    found = rings.compared(setting.problem, *at, hoop=hoop)
+    found = rings.compared(setting.problem, at, hoop=hoop)
     return {
         **{f"error_{name}": value for name, value in found.items()},
         "unknowns": unknowns,

@@ -86,8 +86,8 @@ def command(
     settings = list(grid(quick))
     if with_peers:
         settings += [setting for setting in peers.settings(quick) if peers.available(setting)]
-        for line in peers.missing():
-            click.echo(line, err=True)
+        for name in peers.missing():
+            click.echo(name, err=True)
     done = rows_in(table, code)
     todo = [setting for setting in settings if setting.label not in done and only in setting.label]
     if not report_only:

@@ -1,12 +1,4 @@
-"""Loads on boundaries and in bodies, which grow in proportion to the load factor, as energies.
-
-A *traction* t for each reference length (or area, in three dimensions) has the potential ``-integral of t . u``, and so
-has a *body force* for each reference area (or volume).
-
-A *pressure* p > 0 acts on the body as it deforms. With the outward normal N at rest, its force for each reference
-length is ``-p cof(F) N``, and its potential is p times what the loaded boundary sweeps; see `ngcell.mechanics.swept`.
-A pressure on a boundary whose rim is free has no potential at all, and is refused.
-"""
+"""The potential of all loads that act on boundaries and in bodies, as one term; it grows with the load factor."""
 
 from __future__ import annotations
 
@@ -17,29 +9,24 @@ import ngsolve
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.mechanics.applied.protocol import AppliedLoad
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.mechanics.swept import swept_by
 from ngcell.mechanics.symbolic import Integrals, SymbolicTerm
 from ngcell.mechanics.term import Configuration, Drive, Role
-from ngcell.scene import BodyForce, Pressure, Traction
-from ngcell.scene.entries import check_dimension
 
 Array = NDArray[np.float64]
-Load = Pressure | Traction | BodyForce
-
-#: Degrees that integrals of loads get besides those of displacements where loads depend on the place.
-_EXTRA_DEGREES = 6
 
 
-class BoundaryLoads(SymbolicTerm):
+class AppliedLoads(SymbolicTerm):
     """All loads of a scene: their potential.
 
     Parameters
     ----------
     space : DisplacementSpace
         The unknowns.
-    loads : sequence of Pressure, Traction or BodyForce
+    loads : sequence of AppliedLoad
         The loads; those on the same boundary or body add up.
     motion : PrescribedMotion
         The supports, which hold the rims of boundaries under pressure.
@@ -63,7 +50,7 @@ class BoundaryLoads(SymbolicTerm):
     def __init__(
         self,
         space: DisplacementSpace,
-        loads: Sequence[Load],
+        loads: Sequence[AppliedLoad],
         motion: PrescribedMotion,
         *,
         in_full: bool = False,
@@ -74,9 +61,7 @@ class BoundaryLoads(SymbolicTerm):
         self._loads = tuple(loads)
         self.factor = ngsolve.Parameter(0.0)
         for load in self._loads:
-            if not isinstance(load, Pressure) and not callable(load.vector):
-                place = f"force on {load.body}" if isinstance(load, BodyForce) else f"traction on {load.boundary}"
-                check_dimension(load.vector, f"{place}: vector", space.dimension)
+            load.check(space.dimension)
         self._swept = swept_by(space, _pressures(self._loads))
         self._swept.check(motion)
 
@@ -95,7 +80,9 @@ class BoundaryLoads(SymbolicTerm):
 
     def integrals(self, displacement: ngsolve.CoefficientFunction) -> Integrals:
         """Return the potential at `factor`, whatever it will be, as integrals over boundaries and bodies."""
-        return [self.factor * self._density(load, displacement) * self._measure(load) for load in self._loads]
+        densities = (load.density(self.space, displacement, self._swept) for load in self._loads)
+        regions = (load.region(self.space) for load in self._loads)
+        return [self.factor * density * region for density, region in zip(densities, regions, strict=True)]
 
     def beyond_integrals(self, displacement: Array) -> Array:
         """Return what rims add to the gradient, as nodal forces, shape (unknowns,)."""
@@ -128,31 +115,11 @@ class BoundaryLoads(SymbolicTerm):
         yield
         self.factor.Set(applied)
 
-    def _density(self, load: Load, displacement: ngsolve.CoefficientFunction) -> ngsolve.CoefficientFunction:
-        """Return the potential for each reference length or area at load factor 1."""
-        if isinstance(load, Pressure):
-            return load.value * self._swept.outward * self._swept.swept(displacement)
-        coordinates = (ngsolve.x, ngsolve.y, ngsolve.z)[: self.space.dimension]
-        first, *others = load.vector(*coordinates) if callable(load.vector) else load.vector
-        work = first * displacement[0]
-        for axis, component in enumerate(others, start=1):
-            work = work + component * displacement[axis]
-        return -work
 
-    def _measure(self, load: Load) -> ngsolve.comp.DifferentialSymbol:
-        """Return what the potential is integrated over."""
-        mesh, extra = self.space.bodies.mesh, 0
-        if not isinstance(load, Pressure) and callable(load.vector):
-            extra = _EXTRA_DEGREES
-        if isinstance(load, BodyForce):
-            return ngsolve.dx(definedon=mesh.Materials(load.body), bonus_intorder=extra)
-        return ngsolve.ds(definedon=mesh.Boundaries(load.boundary), bonus_intorder=extra)
-
-
-def _pressures(loads: Sequence[Load]) -> dict[str, float]:
+def _pressures(loads: Sequence[AppliedLoad]) -> dict[str, float]:
     """Return the pressure on each boundary region."""
     pressures: dict[str, float] = {}
     for load in loads:
-        if isinstance(load, Pressure):
-            pressures[load.boundary] = pressures.get(load.boundary, 0.0) + load.value
+        if load.boundary is not None and load.pressure:
+            pressures[load.boundary] = pressures.get(load.boundary, 0.0) + load.pressure
     return pressures

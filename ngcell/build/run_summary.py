@@ -1,0 +1,79 @@
+"""What the summary of a run says: how it ended, what was checked, and what it took."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+from ngcell.build.simulation import Simulation
+from ngcell.results.certificate import worst
+from ngcell.results.growth import growth_onset
+from ngcell.results.record import StepRecord
+from ngcell.results.report import StepReport
+
+
+def run_summary(
+    title: str, simulation: Simulation, steps: list[StepReport], outcome: str, certified: bool
+) -> dict[str, Any]:
+    """Return what `summary.json` holds of a run."""
+    last = steps[-1] if steps else None
+    checks = worst(step.certificate for step in steps)
+    return {
+        "title": title,
+        "outcome": outcome,
+        "certified": certified,
+        "certificate": {
+            name: {
+                "worst": check.value,
+                "limit": check.limit,
+                "passed": check.passed,
+                **({"place": check.place} if check.place else {}),
+            }
+            for name, check in checks.items()
+        },
+        "meaning_of_checks": {name: check.meaning for name, check in checks.items()},
+        "expected": [finding.table() for step in steps for finding in step.findings],
+        "failed_steps": {step.record.step: step.certificate.failures for step in steps if not step.record.certified},
+        "accuracy": simulation.accuracy,
+        "meshes": simulation.refinement.table(),
+        "accepted_steps": len(steps),
+        "bodies": simulation.bodies.body_count,
+        "unknowns": simulation.space.unknowns,
+        "facing_pairs": len(simulation.setup.facing.pairs),
+        "held_by_nothing": last.free_bodies if last else (),
+        "changes_of_branch": {
+            step.record.step: {"unstored_work": step.unstored_work}
+            for step in steps
+            if step.record.phase == "released" and step.unstored_work != 0
+        },
+        "debonding": next((step.debonding for step in reversed(steps) if step.debonding), {}),
+        "onset_of_growth": onset_of_growth(simulation, steps),
+        "onset_is_a_bound": _onset_is_a_bound(simulation, steps),
+        "iterations": sum(step.record.iterations for step in steps),
+        "factorisations": sum(step.record.factorisations for step in steps),
+        "refused": sum(step.refused for step in steps),
+        "cut_backs": sum(step.cutbacks for step in steps),
+        "last_step": asdict(last.record) if last else None,
+    }
+
+
+def reached(steps: list[StepReport]) -> float:
+    """Return the load factor that has been reached."""
+    return steps[-1].record.load_factor if steps else 0.0
+
+
+def _released(steps: list[StepReport]) -> list[StepRecord]:
+    return [step.record for step in steps if step.record.phase == "released"]
+
+
+def _onset_is_a_bound(simulation: Simulation, steps: list[StepReport]) -> bool:
+    """Return whether gaps had grown at the first level already, and nobody knows how much earlier."""
+    contact, onset = _released(steps), onset_of_growth(simulation, steps)
+    starts_later = bool(contact) and contact[0].load_factor > 0 and not simulation.starts_at_rest
+    return starts_later and onset == contact[0].plate_displacement
+
+
+def onset_of_growth(simulation: Simulation, steps: list[StepReport]) -> float | None:
+    contact = _released(steps)
+    displacement, mean = [row.plate_displacement for row in contact], [row.mean_gap for row in contact]
+    return growth_onset(displacement, mean, simulation.bodies.thickness, at_rest=simulation.mean_gap_at_rest)

@@ -1,0 +1,57 @@
+"""The numbers of contact that no case names, as one record that is handed down."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class ContactOptions:
+    """The solver's own numbers of contact; stiffness of penalty terms is in layers of elements behind the wall.
+
+    Attributes
+    ----------
+    facing : float
+        Facets face each other while the product of the normals of their chords is below this, in (-1, 0): by default
+        while they differ from opposite by less than about 37 degrees. A corner that presses with a steeper angle acts
+        at its tip.
+    between : float
+        Overlap between the points of the penalty method's rule over that at them, above which the rule is to blame,
+        not the penalty terms, > 1.
+    allowed : float
+        How deep a point constraint of the mortar method may sink in, as a share of the size of its facet, > 0.
+    penalty_multiple : float
+        Stiffness of the penalty method that is meant, > 0.
+    path_multiple : float
+        Stiffness with which continuation paths are followed, > 0: as stiff as the layer behind the wall, it costs a
+        third of the iterations.
+    stage_factor : float
+        Factor between the stages from there to the one that is meant, > 1.
+    mortar_multiple : float
+        Stiffness of the mortar method, > 0. The result does not depend on it: softer terms need more updates of the
+        multipliers, stiffer ones more steps to each.
+    handover_multiple : float
+        Stiffness of the last penalty method before the mortar method takes over, > 0: walls overlap so little that they
+        do not jump apart.
+    """
+
+    facing: float = -0.8
+    between: float = 2.0
+    allowed: float = 2.5e-4
+    penalty_multiple: float = 10.0
+    path_multiple: float = 1.0
+    stage_factor: float = 10.0
+    mortar_multiple: float = 3.0
+    handover_multiple: float = 3.0
+
+    def path_multiples(self, meant: float) -> list[float]:
+        """Return the stiffnesses of the stages before the one that is meant, the softest first; at least one."""
+        multiples, multiple = [], self.path_multiple
+        while multiple < meant * (1 - 1e-9):
+            multiples.append(multiple)
+            multiple *= self.stage_factor
+        return multiples or [meant]
+
+
+#: What is used unless somebody hands down other numbers.
+DEFAULT_OPTIONS = ContactOptions()
