@@ -6,8 +6,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ngcell.build.observation import Step
     from ngcell.build.options import Options
+    from ngcell.build.reported import Step
     from ngcell.contact.cohesion.exponential import Cohesion
     from ngcell.contact.methods.by_mortar import Mortar
     from ngcell.contact.methods.by_penalty import Penalty

@@ -10,9 +10,10 @@ import numpy as np
 
 from ngcell.build.additions import Additions, told_additions
 from ngcell.build.memory import entry_count, foreseen_memory, solver_name
-from ngcell.build.observation import Step
 from ngcell.build.options import Options
-from ngcell.build.simulation import OwnTerm, Simulation
+from ngcell.build.problems import OwnTerm
+from ngcell.build.reported import Step
+from ngcell.build.simulation import Simulation
 from ngcell.contact.pairing.facing import count_corners
 from ngcell.errors import CaseError, NotConverged, OutputError
 from ngcell.export import accepted_steps, cannot_resume, read_restart, read_summary, restore_case

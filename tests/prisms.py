@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ngcell.build.observation import Step
+from ngcell.build.reported import Step
 from ngcell.build.simulation import Simulation
 from ngcell.scene import Case
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from ngcell.build.discretisation import discretise
-from ngcell.build.observation import Step
+from ngcell.build.reported import Step
 from ngcell.build.simulation import Simulation
 from ngcell.contact.surface.surface import SurfacePoints
 from ngcell.problem.reports import contact_pressures

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from ngcell.build.options import Options
-from ngcell.build.simulation import OwnTerm, Simulation
+from ngcell.build.problems import OwnTerm
+from ngcell.build.simulation import Simulation
 from ngcell.clock import Clock
 from ngcell.results.observables.observable import Observable
 from ngcell.scene import AnyCase, BodyScene

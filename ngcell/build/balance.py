@@ -1,4 +1,5 @@
-"""Loads that nothing can balance, told before anything is solved.
+"""Balance before anything is solved: loads that nothing can balance are told, and whether bodies at rest are in
+equilibrium.
 
 What bodies exert on each other adds up to nothing. So where no support holds any body in a direction, the sum of all
 loads in that direction has to vanish, and where nothing is held at all their moment, too.
@@ -13,12 +14,17 @@ from numpy.typing import NDArray
 
 from ngcell.errors import CaseError
 from ngcell.mechanics.space import DisplacementSpace
+from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.mechanics.term import Role, Term
+from ngcell.problem.problem import Problem
 
 Array = NDArray[np.float64]
 
 #: Share of all nodal forces of the loads that is the round-off of their sum, or the quadrature of curved boundaries.
 _NOTHING = 1e-6
+#: Forces at rest, as shares of modulus and thickness, and overlaps, as shares of the thickness, that count as none:
+#: round-off, and what curved elements of two meshes leave between them.
+_NO_FORCE, NO_OVERLAP = 1e-8, 1e-3
 
 
 def check_balance(space: DisplacementSpace, terms: Sequence[Term], fixed: NDArray[np.bool_]) -> None:
@@ -58,6 +64,25 @@ def check_balance(space: DisplacementSpace, terms: Sequence[Term], fixed: NDArra
                 f"loads: their moment is {moment:.6g}, and nothing balances it; "
                 "allowed: a support that holds a body, or loads that balance each other"
             )
+
+
+def is_balanced_at_rest(apart: Problem, motion: PrescribedMotion, modulus: float) -> bool:
+    """Return whether bodies at rest are in equilibrium before the load, contact aside.
+
+    Parameters
+    ----------
+    apart : Problem
+        The bodies without contact.
+    motion : PrescribedMotion
+        Their supports.
+    modulus : float
+        Shear modulus of the softest wall [stress].
+    """
+    apart.apply(0.0)
+    rest = apart.at(motion.imposed(np.zeros(apart.space.unknowns), 0.0))
+    force = float(np.abs(apart.gradient(rest)[apart.free]).max(initial=0.0))
+    bodies = apart.space.bodies
+    return force <= _NO_FORCE * modulus * bodies.thickness ** (bodies.dimension - 1)
 
 
 def _load_at_rest(space: DisplacementSpace, terms: Sequence[Term]) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, cast
 
@@ -11,23 +11,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.build.checkpoint import Checkpoint
+from ngcell.build.reported import Mesh, Step
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.mechanics.report import Check
 from ngcell.mechanics.term import Configuration
 from ngcell.problem.problem import Problem
 from ngcell.problem.reports import cell_fields
 from ngcell.problem.state import State
-from ngcell.results.cells import cell_records, debonding
+from ngcell.results.cells import cell_records
 from ngcell.results.checks import Path
+from ngcell.results.equilibrium import Setup, mean_and_largest
 from ngcell.results.error import ERROR_NAMES, NO_ERRORS, Errors
 from ngcell.results.fields import take_fields
-from ngcell.results.finding import Finding, compare
-from ngcell.results.measure import Measurement, Setup, WorkPoint, mean_and_largest, measure
+from ngcell.results.finding import compare
+from ngcell.results.measure import Measurement, WorkPoint, measure
 from ngcell.results.observables.observable import Observable, observed
 from ngcell.results.onset import PairOnsets
 from ngcell.results.quantities import View
-from ngcell.results.record import CellRecord, StepRecord, WallRecord
-from ngcell.results.report import StepReport
+from ngcell.results.record import StepRecord
 from ngcell.results.snapshot import Snapshot
 from ngcell.results.surface import pressed_lengths, wall_fields
 from ngcell.results.walls import (
@@ -39,83 +40,12 @@ from ngcell.results.walls import (
     wall_records,
 )
 from ngcell.scene.expected import BodyExpected, Expected
-from ngcell.solve.effort import Effort
 from ngcell.solve.step import Accepted
 
 Array = NDArray[np.float64]
 
 #: Gaps at rest below this share of the thickness are round-off.
 _ROUND_OFF = 1e-10
-
-
-@dataclass(frozen=True)
-class Mesh:
-    """How finely bodies are resolved.
-
-    Attributes
-    ----------
-    order, grading, unknowns : int
-        Order of the elements, how often they are graded towards corners, and number of displacement unknowns.
-    """
-
-    order: int
-    grading: int
-    unknowns: int
-
-
-@dataclass(frozen=True, eq=False)
-class Step:
-    """An accepted step with everything that is reported of it.
-
-    Attributes
-    ----------
-    record : StepRecord
-        The row of the history.
-    walls : list of WallRecord
-        A row a facing pair; empty in tied steps.
-    cells : list of CellRecord
-        A row a cell; empty in tied steps.
-    measurement : Measurement
-        The numbers behind them.
-    displacement : array of float, shape (unknowns,)
-        The displacement [length].
-    snapshot : Snapshot or None
-        The fields, at reported levels.
-    findings : list of Finding
-        What the case expects at this level, beside what was measured.
-    checkpoint : Checkpoint
-        Where the load path stands after it.
-    effort : Effort
-        What it took.
-    mesh : Mesh
-        The mesh that its numbers are of.
-    """
-
-    record: StepRecord
-    walls: list[WallRecord]
-    cells: list[CellRecord]
-    measurement: Measurement
-    displacement: NDArray[np.float64]
-    snapshot: Snapshot | None
-    findings: list[Finding]
-    checkpoint: Checkpoint
-    effort: Effort
-    mesh: Mesh
-
-    @property
-    def report(self) -> StepReport:
-        """What the summary needs to know of it."""
-        measured = self.measurement
-        return StepReport(
-            self.record,
-            measured.certificate,
-            tuple(self.findings),
-            measured.free_bodies,
-            measured.unstored_work,
-            debonding(self.walls, self.cells),
-            self.effort.refusals,
-            self.effort.cutbacks,
-        )
 
 
 class Observer:
@@ -155,6 +85,12 @@ class Observer:
         """Mean gap of each facing pair at rest [length]; round-off counts as closed."""
         gap = pair_gaps(self._setup.facing, self._setup.facing.gaps(self._setup.walls, self._setup.walls.rest))
         return np.where(np.abs(gap) < _ROUND_OFF * self._bodies.thickness, 0.0, gap)
+
+    @property
+    def mean_gap_at_rest(self) -> float:
+        """Mean gap of the facing walls at rest [length]."""
+        length = np.bincount(self._setup.facing.pair, self._setup.facing.weight)
+        return float(self.gaps_at_rest @ length / max(length.sum(), np.finfo(float).tiny))
 
     def start(self) -> Checkpoint:
         """Return where a run starts whose bodies are in equilibrium at rest: no energy, and the gaps of the mesh."""

@@ -21,8 +21,8 @@ from ngcell.mechanics.term import Array
 from ngcell.mechanics.transfer import transferred
 from ngcell.problem.problem import Problem
 from ngcell.problem.state import State
+from ngcell.results.equilibrium import Setup, numbers_of
 from ngcell.results.error import Errors, Numbers, estimate
-from ngcell.results.measure import Setup, numbers_of
 from ngcell.solve.effort import OutOfIterations
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.proximal import ProximalTerm

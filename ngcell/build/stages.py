@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from math import isinf
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ngcell.geometry.rings import GRADE
 from ngcell.mechanics.space import DisplacementSpace
@@ -89,7 +88,7 @@ def singular_exponent(space: DisplacementSpace) -> float:
     """Return the smallest exponent with which the displacement grows from a corner of a body, or the end of a contact.
 
     At a re-entrant corner of angle w, free on both sides, it is the root of ``sin(x w) + x sin(w) = 0`` (Williams
-    1952). Edges of solids count as re-entrant right angles.
+    1952). In three dimensions a right angle is taken.
     """
     if space.dimension == 3:
         return _free_exponent(1.5 * np.pi)
@@ -100,7 +99,8 @@ def singular_exponent(space: DisplacementSpace) -> float:
 
 
 def _free_exponent(angle: float) -> float:
-    return float(brentq(lambda x: np.sin(x * angle) + x * np.sin(angle), 0.5 - 1e-9, 1 - 1e-9))
+    exponent = np.linspace(0.5, 1.0, 10_001)
+    return float(exponent[np.argmax(np.sin(exponent * angle) + exponent * np.sin(angle) <= 0)])
 
 
 def _angles_at_outlines(space: DisplacementSpace) -> Array:

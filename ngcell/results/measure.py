@@ -4,59 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
-from ngcell.contact.pairing.facing import FacingWalls
-from ngcell.contact.surface.surface import Surface
 from ngcell.mechanics.report import Check
-from ngcell.mechanics.supports import PrescribedMotion
-from ngcell.mechanics.term import Drive, Role
+from ngcell.mechanics.term import Drive
 from ngcell.problem.problem import Problem
 from ngcell.problem.reports import columns
 from ngcell.problem.state import State
 from ngcell.results.certificate import Certificate
-from ngcell.results.checks import NodalForces, Path, certify, scales_of
-from ngcell.results.error import Numbers
-from ngcell.results.forces import ContactForces, body_resultants, contact_forces
+from ngcell.results.checks import Path, certify, scales_of
+from ngcell.results.equilibrium import Setup, balance_of
+from ngcell.results.forces import ContactForces
 
 Array = NDArray[np.float64]
-
-#: A body is held by nothing if the contacts press it no more than this multiple of what the proximal term pulls.
-HELD = 10.0
-#: A wall counts as open where its gap exceeds this share of the wall's thickness.
-OPEN = 1e-2
-
-
-@dataclass(frozen=True, eq=False)
-class Setup:
-    """What measurements need to know of a scene: the walls, who faces whom, and the supports.
-
-    Attributes
-    ----------
-    walls : Surface
-        All walls.
-    facing : FacingWalls
-        Pairs that face each other at rest.
-    motion : PrescribedMotion
-        The supports.
-    moved : str
-        Region of the support whose force and displacement are reported; a regular expression.
-    prescribed_displacement : array of float, shape (dimension,)
-        Displacement of that support at load factor 1 [length].
-    modulus : float
-        Shear modulus of the softest wall [stress].
-    """
-
-    walls: Surface
-    facing: FacingWalls
-    motion: PrescribedMotion
-    moved: str
-    prescribed_displacement: Array
-    modulus: float
 
 
 @dataclass(frozen=True)
@@ -128,80 +90,6 @@ class Measurement:
     def energy(self) -> float:
         """Stored energy [stress * length**2]."""
         return self.work.energy
-
-
-class Held(Protocol):
-    """What holds floating bodies; see `ngcell.solve.proximal.ProximalTerm`."""
-
-    def value(self, displacement: Array, mass: sparse.csr_array) -> float:
-        """Return its energy."""
-
-    def gradient(self, displacement: Array, mass: sparse.csr_array) -> Array:
-        """Return its gradient."""
-
-
-@dataclass(frozen=True, eq=False)
-class Balance:
-    """The forces in a state, and the gaps between walls.
-
-    Attributes
-    ----------
-    gap : array of float, shape (facing points,)
-        Gap of each facing point [length].
-    nodal : NodalForces
-        Forces on the unknowns.
-    forces : ContactForces
-        Forces between bodies.
-    free_bodies : tuple of int
-        Bodies held by nothing.
-    """
-
-    gap: Array
-    nodal: NodalForces
-    forces: ContactForces
-    free_bodies: tuple[int, ...]
-
-
-def balance_of(setup: Setup, problem: Problem, state: State, proximal_force: Array) -> Balance:
-    """Return forces and gaps in a state; `proximal_force` is what the proximal term exerts on the bodies."""
-    at = state.at
-    internal, load = problem.force(at, Role.INTERNAL), -problem.force(at, Role.LOAD)
-    # Supports bear what internal, contact, load and proximal forces leave.
-    left = internal + problem.force(at, Role.INTERACTION) - load - proximal_force
-    forces = contact_forces(problem, state)
-    return Balance(
-        gap=setup.facing.gaps(setup.walls, setup.walls.nodes(at.positions)),
-        nodal=NodalForces(internal, problem.unknowns.reactions(left), load, proximal_force),
-        forces=forces,
-        free_bodies=_held_by_nothing(problem, setup, forces, proximal_force),
-    )
-
-
-def numbers_of(setup: Setup, problem: Problem, state: State, proximal: Held) -> Numbers:
-    """Return the numbers of a state, held by a proximal term, that errors are estimated for."""
-    at = state.displacement
-    balance = balance_of(setup, problem, state, -proximal.gradient(at, problem.mass))
-    thickness, proximal_energy = problem.space.bodies.thickness, proximal.value(at, problem.mass)
-    energy, held = state.energy - problem.unstored(state.at), setup.facing.between_held(balance.free_bodies)
-    scales = scales_of(problem.space, setup.modulus, energy)
-    force = max(scales.force, float(np.linalg.norm(balance.forces.force, axis=1).max(initial=0.0)))
-    mean, largest = mean_and_largest(setup.facing, balance.gap, held)
-    return Numbers(
-        energy=energy,
-        plate_force=setup.motion.resultant(balance.nodal.reaction, setup.moved),
-        contact_force=balance.forces.total,
-        mean_gap=mean,
-        largest_gap=largest,
-        scales=(scales.energy, force, OPEN * thickness),
-        besides=problem.overlap_work(state.at) / 2 + proximal_energy,
-    )
-
-
-def mean_and_largest(facing: FacingWalls, gap: Array, chosen: NDArray[np.bool_]) -> tuple[float, float]:
-    """Return mean and largest gap over chosen facing points [length]; 0 where there are none, or all overlap."""
-    weight = facing.weight * chosen
-    mean = float(weight @ gap / weight.sum()) if weight.any() else 0.0
-    return mean, float(gap[chosen].max(initial=0.0))
 
 
 def measure(
@@ -290,12 +178,3 @@ def _surplus_of_work(old: WorkPoint, now: WorkPoint) -> float:
         allowed += abs(shared) * (abs(fall) + abs(drive.rate - before.rate)) / 2
     mismatch = work - (now.energy - old.energy)
     return float(np.sign(mismatch) * max(abs(mismatch) - allowed, 0.0))
-
-
-def _held_by_nothing(problem: Problem, setup: Setup, forces: ContactForces, proximal_force: Array) -> tuple[int, ...]:
-    if not problem.unknowns.lets_bodies_part:
-        return ()
-    pull = np.linalg.norm(body_resultants(problem.space, proximal_force), axis=1)
-    free = forces.pressed <= HELD * pull
-    free[np.unique(problem.space.body_of_unknown[setup.motion.fixed.any(0)])] = False
-    return tuple(int(body) for body in np.flatnonzero(free))

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from ngcell.contact.pairing.facing import FacingWalls
 from ngcell.geometry.near import components
-from ngcell.results.measure import OPEN, Measurement
+from ngcell.results.equilibrium import OPEN
+from ngcell.results.measure import Measurement
 from ngcell.results.record import WallRecord
 
 Array = NDArray[np.float64]

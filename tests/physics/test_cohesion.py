@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import simpson
 
-from ngcell.build.observation import Step
+from ngcell.build.reported import Step
 from ngcell.build.simulation import Simulation
 from ngcell.scene import Block, BodyCase, Cohesion, MooneyRivlin
 from ngcell.scene.case_of_bodies import SupportEntry

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ngcell import read_case
-from ngcell.build.observation import Step
+from ngcell.build.reported import Step
 from ngcell.build.simulation import Simulation
 
 SMALL = ["load.levels=1", "mesh.order=2"]

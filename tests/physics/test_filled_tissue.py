@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ngcell import Case, simulate
-from ngcell.build.observation import Step
+from ngcell.build.reported import Step
 from ngcell.build.simulation import Simulation
 from ngcell.contact.surface.surface import SurfacePoints
 

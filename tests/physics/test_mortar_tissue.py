@@ -9,7 +9,7 @@ import pytest
 
 import ngcell
 from ngcell.build.checkpoint import Checkpoint
-from ngcell.build.observation import Step
+from ngcell.build.reported import Step
 from ngcell.build.simulation import Simulation
 from ngcell.contact.methods.by_mortar import Mortar
 from ngcell.contact.options import ContactOptions

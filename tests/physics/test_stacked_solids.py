@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from netgen import occ
 
-from ngcell.build.observation import Step
+from ngcell.build.reported import Step
 from ngcell.build.simulation import Simulation
 from ngcell.scene import Body, BodyScene, BodySupport, MooneyRivlin, Mortar, Penalty
 

@@ -89,6 +89,17 @@ class Progress:
     memory: Mapping[str, NDArray[Any]] = field(default_factory=dict)
 
 
+def load_steps(levels: Sequence[float], count: int) -> list[float]:
+    """Return the load factors of all steps: the levels, with equal steps between them where there are to be more."""
+    length = float(np.abs(np.diff(levels, prepend=0.0)).sum())
+    steps, before = [], 0.0
+    for level in levels:
+        pieces = max(1, round(count * abs(level - before) / length)) if level != before else 1
+        steps += list(np.linspace(before, level, pieces + 1)[1:])
+        before = level
+    return [float(step) for step in steps]
+
+
 @runtime_checkable
 class Strategy(Protocol):
     """How the load path is followed."""

@@ -1,0 +1,199 @@
+"""The problems that a scene poses on one mesh, and the minimisers of them.
+
+It reads from top to bottom: mesh and terms, walls and who faces whom, contact and cohesion, the stages of the
+continuation from soft to meant, and what minimises each.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cached_property
+from math import isfinite
+
+import numpy as np
+
+from ngcell.build.balance import check_balance
+from ngcell.build.discretisation import discretise
+from ngcell.build.options import Options
+from ngcell.clock import Clock
+from ngcell.contact.cohesion.bonds import bond_walls
+from ngcell.contact.methods.terms import CohesionTerm, ContactTerm
+from ngcell.contact.pairing.facing import find_facing
+from ngcell.contact.surface.find import find_surface
+from ngcell.mechanics.space import DisplacementSpace
+from ngcell.mechanics.symbolic import fused
+from ngcell.mechanics.term import Term
+from ngcell.problem.problem import Problem
+from ngcell.problem.tie import tie_walls
+from ngcell.results.equilibrium import Setup
+from ngcell.results.overlap import deepest_overlap_of_bodies
+from ngcell.scene import AnyCase, BodyScene, Case
+from ngcell.solve.continuation import Continuation
+from ngcell.solve.effort import Budget
+from ngcell.solve.minimise import Minimiser
+from ngcell.solve.released import Released
+
+OwnTerm = Callable[[DisplacementSpace], Term]
+
+#: Walls that face each other nearer than this share of their thickness count as touching at rest.
+_TOUCHING = 0.05
+
+
+class Problems:
+    """A scene on one mesh.
+
+    Parameters
+    ----------
+    scene : Case, BodyCase or BodyScene
+        What is simulated, with the mesh that is meant.
+    clock : Clock
+        Where the seconds are added up.
+    options : Options
+        The numbers of the solver and of contact.
+    terms : sequence of callable
+        Further terms of the energy, each made from the displacement space.
+
+    Attributes
+    ----------
+    accuracy : float
+        Relative error that is asked for.
+    """
+
+    def __init__(
+        self, scene: AnyCase | BodyScene, clock: Clock, options: Options, terms: Sequence[OwnTerm] = ()
+    ) -> None:
+        self.clock, self.options, self.accuracy = clock, options, scene.accuracy
+        self._case, self.levels = scene, scene.level_factors
+        self._budget = Budget(options.solver.most_iterations)
+        with clock.phase("meshing"):
+            self.discretisation = built = discretise(scene)
+            self.bodies, self.space, self.motion = built.space.bodies, built.space, built.motion
+            self.walls = find_surface(self.bodies, self.space.scalar, self.space.rest)
+        self.longest_step = self.bodies.thickness / 2
+        self.setup = Setup(
+            walls=self.walls,
+            facing=find_facing(self.walls, _TOUCHING * self.bodies.thickness, self._facing_reach),
+            motion=self.motion,
+            moved=built.moved,
+            prescribed_displacement=built.prescribed_displacement,
+            modulus=min(law.shear_modulus for law in built.walls),
+        )
+        self._terms = (*built.terms, *(own(self.space) for own in terms))
+        check_balance(self.space, self._terms, self.motion.fixed)
+
+    @cached_property
+    def cohesion(self) -> tuple[Term, ...]:
+        """What holds walls together, if anything does."""
+        if self._case.cohesion is None:
+            return ()
+        return (CohesionTerm(bond_walls(self.walls, self._case.cohesion, self.options.contact)),)
+
+    @cached_property
+    def _volume_stages(self) -> tuple[tuple[Term, ...], ...]:
+        """The terms of bodies and loads, from the bulk modulus that paths are followed with to the one that is meant.
+        """
+        bound, stages = self.options.solver.direct_bulk, []
+        while bound < max(term.incompressibility for term in self._terms):
+            stages.append(fused([term.softened(bound) for term in self._terms]))
+            bound *= self.options.solver.bulk_stage
+        return (*stages, fused(self._terms))
+
+    @cached_property
+    def _contact_stages(self) -> tuple[Term, ...]:
+        """Contact, from the softest, which follows paths, to the one that is meant."""
+        moduli = np.array([law.plane_strain_modulus for law in self.discretisation.walls])
+        stages = self._case.contact.stages(self.walls, moduli, reach=self._reach, options=self.options.contact)
+        return tuple(stage if isinstance(stage, Term) else ContactTerm(stage) for stage in stages)
+
+    @property
+    def contact(self) -> Term:
+        """Contact as it is meant."""
+        return self._contact_stages[-1]
+
+    @cached_property
+    def _reach(self) -> float:
+        """Distance up to which walls are paired [length]: bodies that overlap at rest are found, too."""
+        usual = 2 * self.longest_step
+        if self.bodies.dimension == 3:
+            return usual
+        deepest = deepest_overlap_of_bodies(self.space, self.walls, self.space.rest)
+        return max(usual, deepest + self.longest_step)
+
+    @property
+    def _facing_reach(self) -> float:
+        """Distance up to which walls face each other [length]: those of a tissue touch, others may be apart."""
+        return 0.0 if isinstance(self._case, Case) else self._reach
+
+    @cached_property
+    def tied_problems(self) -> tuple[Problem, ...]:
+        """The tissue as one tied solid, stage by stage."""
+        tie = tie_walls(self.walls, self.space.size)
+        return tuple(Problem(self.space, terms, self.motion.fixed, tie=tie) for terms in self._volume_stages)
+
+    @cached_property
+    def released_problems(self) -> tuple[Problem, ...]:
+        """The tissue with its walls in unilateral contact, stage by stage."""
+        *softer, meant = self._volume_stages
+        stages = [(*terms, self._contact_stages[0]) for terms in softer]
+        stages += [(*meant, contact) for contact in self._contact_stages]
+        return tuple(Problem(self.space, (*terms, *self.cohesion), self.motion.fixed) for terms in stages)
+
+    @property
+    def problem(self) -> Problem:
+        """The released problem that is meant."""
+        return self.released_problems[-1]
+
+    @property
+    def tied(self) -> tuple[Minimiser, ...]:
+        """Minimisers of the tied solid."""
+        return tuple(self._minimiser(problem, np.inf) for problem in self.tied_problems)
+
+    @property
+    def released(self) -> Released:
+        """Minimisers of the released walls, and the continuation that selects one of their equilibria."""
+        apart = Problem(self.space, (*self._volume_stages[0], *self.cohesion), self.motion.fixed)
+        softest, stiffest = self._moduli
+        return Released(
+            self._minimiser(apart, self.longest_step),
+            tuple(self._minimiser(problem, self.longest_step) for problem in self.released_problems),
+            self.continuation,
+            is_alone=self.bodies.body_count == 1,
+            is_mixed=stiffest > softest,
+            stability=self.options.solver.stability,
+        )
+
+    @property
+    def continuation(self) -> Continuation:
+        """The path on which equilibria of released walls are selected."""
+        (softest, stiffest), options = self._moduli, self.options.solver.continuation
+        # Contact is as stiff as the softer body of a pair; what the proximal term has to outweigh at first is the
+        # stiffest.
+        first = options.first_overlapping if self._overlaps_at_rest(_TOUCHING) else options.first * stiffest / softest
+        last = options.last
+        if isfinite(self.accuracy):
+            last = max(last, self.options.solver.proximal_share * self.accuracy)
+        return Continuation(softest / self.bodies.length**2, replace(options, first=first, last=last))
+
+    @property
+    def _moduli(self) -> tuple[float, float]:
+        """Shear modulus of the softest wall, and of the stiffest solid there is."""
+        return self.setup.modulus, max(law.shear_modulus for law in self.discretisation.solids)
+
+    def _overlaps_at_rest(self, share: float) -> bool:
+        """Return whether walls overlap at rest by more than a share of the thickness, as for a press-fit."""
+        at_rest = self.space.configuration(self.motion.imposed(np.zeros(self.space.unknowns), 0.0))
+        return (self.contact.overlap(at_rest) or 0.0) > share * self.bodies.thickness
+
+    def _minimiser(self, problem: Problem, longest_step: float) -> Minimiser:
+        volume = float(self.space.one @ self.space.scalar_mass @ self.space.one)
+        scale, options = self._moduli[1] * volume, self.options.solver.minimiser
+        return Minimiser(problem, longest_step, scale, options=options, clock=self.clock, budget=self._budget)
+
+    def problem_of(self, phase: str) -> Problem:
+        """Return the problem that steps of a phase solve."""
+        return self.tied_problems[-1] if phase == "tied" else self.problem
+
+    def renew_budget(self) -> None:
+        """Give the minimisers of this mesh all of their iterations."""
+        self._budget.renew()
