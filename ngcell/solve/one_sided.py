@@ -199,19 +199,21 @@ def _root_of_slope(constant: float, linear: float, penalty: Array, gap: Array, m
 
     The slope is piecewise linear in s: it breaks where a penalty term closes or opens.
     """
-    closed = (gap < 0) | ((gap == 0) & (moved < 0))
-    constant += float((penalty * gap * moved)[closed].sum())
-    linear += float((penalty * moved**2)[closed].sum())
+    closed, offset, bend = (gap < 0) | ((gap == 0) & (moved < 0)), penalty * gap * moved, penalty * moved**2
+    constant += float(offset[closed].sum())
+    linear += float(bend[closed].sum())
+    if constant >= 0:
+        return 1.0
     with np.errstate(divide="ignore", invalid="ignore"):
         at = -gap / moved
     change = np.flatnonzero((at > 0) & (at < 1))
     change = change[np.argsort(at[change])]
     turn = np.where(moved[change] < 0, 1.0, -1.0)
-    constants = constant + np.concatenate([[0], np.cumsum(turn * (penalty * gap * moved)[change])])
-    linears = linear + np.concatenate([[0], np.cumsum(turn * (penalty * moved**2)[change])])
+    constants = constant + np.concatenate([[0], np.cumsum(turn * offset[change])])
+    linears = linear + np.concatenate([[0], np.cumsum(turn * bend[change])])
     ends = np.concatenate([at[change], [1.0]])
     positive = np.flatnonzero(constants + ends * linears > 0)
-    if not len(positive) or constant >= 0:
+    if not len(positive):
         return 1.0
     piece = positive[0]
     return float(min(-constants[piece] / linears[piece], 1.0))
