@@ -170,10 +170,9 @@ class Problems:
         # Contact is as stiff as the softer body of a pair; what the proximal term has to outweigh at first is the
         # stiffest.
         first = options.first_overlapping if self._overlaps_at_rest(_TOUCHING) else options.first * stiffest / softest
-        last = options.last
-        if isfinite(self.accuracy):
-            last = max(last, self.options.solver.proximal_share * self.accuracy)
-        return Continuation(softest / self.bodies.length**2, replace(options, first=first, last=last))
+        least = options.last
+        last = max(least, options.of_accuracy * self.accuracy) if isfinite(self.accuracy) else least
+        return Continuation(softest / self.bodies.length**2, replace(options, first=first, last=last, least=least))
 
     @property
     def _moduli(self) -> tuple[float, float]:

@@ -73,9 +73,11 @@ class Simulation(Problems):
         stages = stages_of(scene) if stage is None else (stage,)
         super().__init__(stages[0].scene, clock or Clock(), options or Options(), terms)
 
+        finer_options = self.options.for_accuracy(scene.accuracy)
+
         def build(finer: Stage) -> Simulation:
             return Simulation(
-                scene, self.clock, options=self.options, terms=terms, observables=observables, stage=finer
+                scene, self.clock, options=finer_options, terms=terms, observables=observables, stage=finer
             )
 
         self.refinement: Refinement[Simulation] = Refinement(self, stages, build, scene.accuracy)

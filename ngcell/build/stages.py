@@ -21,9 +21,9 @@ from ngcell.scene import AnyCase, BodyScene, Case
 from ngcell.scene.mesh import HIGHEST_ORDER
 
 #: Order and grading of the meshes of a tissue, one after the other. The fourth order without a second grade, whose
-#: error is 1 to 2 % in a tissue, is left out where a higher accuracy is asked for.
+#: error is 1 to 2 % in a tissue, is left out where a higher accuracy is asked for, the finest where a lower one is.
 _TISSUE = ((2, 1), (3, 1), (4, 1), (4, 2), (5, 2), (6, 3))
-_COARSE, _OF_COARSE = (4, 1), 0.02
+_COARSE, _OF_COARSE, _FINE = (4, 1), 0.02, 0.005
 #: Exponents of the displacement's growth with the distance from the end of a contact, and from a corner that is held on
 #: one side (Williams, J. Appl. Mech. 19, 1952); angles in radians from which on an outline is re-entrant, and up to
 #: which it has a corner.
@@ -69,6 +69,7 @@ def stages_of(scene: AnyCase | BodyScene) -> tuple[Stage, ...]:
         return _stage(scene, given, grading or 0), _stage(scene, given + 1, grading or 0, is_reported=False)
     if is_tissue and grading is None:
         chosen = [step for step in _TISSUE if step != _COARSE or scene.accuracy > _OF_COARSE]
+        chosen = chosen if scene.accuracy < _FINE else chosen[:-1]
     else:
         chosen = [(order, grading or 0) for order in range(2, HIGHEST_ORDER + 1)]
     return tuple(_stage(scene, *step) for step in chosen)

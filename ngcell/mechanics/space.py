@@ -110,6 +110,11 @@ class DisplacementSpace:
         """Return where bodies are with this displacement, shape (unknowns,) [length]."""
         return Configuration(displacement, self.rest + displacement.reshape(self.dimension, -1))
 
+    def resultants(self, nodal: Array) -> Array:
+        """Return the sum of nodal forces, shape (unknowns,), over each body, shape (bodies, dimension)."""
+        weighted, count = nodal.reshape(self.dimension, -1) * self.one, self.bodies.body_count
+        return np.array([np.bincount(self.body_of_unknown, row, minlength=count) for row in weighted]).T
+
     def function(self, displacement: Array) -> ngsolve.GridFunction:
         """Return the displacement with these unknowns as an NGSolve function."""
         function = ngsolve.GridFunction(self.vector)

@@ -176,6 +176,10 @@ class Problem:
         """Return what the energy holds without its being stored in bodies."""
         return sum(term.unstored(at) for term in self._sum)
 
+    def resultants(self, nodal: Array) -> Array:
+        """Return the sum of nodal forces over each body, shape (bodies, dimension)."""
+        return self.space.resultants(nodal)
+
     def overlap_work(self, at: Configuration) -> float:
         """Return forces times overlaps of all terms: by no more than that, rigid contact would change energies."""
         return sum(term.overlap_work(at) for term in self.terms)

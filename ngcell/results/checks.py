@@ -18,7 +18,7 @@ from ngcell.problem.reports import checks, deepest_overlap
 from ngcell.problem.state import State
 from ngcell.results.certificate import LIMITS, Certificate, common_check
 from ngcell.results.covered_twice import depth_in_itself, depth_in_others
-from ngcell.results.forces import ContactForces, body_resultants
+from ngcell.results.forces import ContactForces
 from ngcell.results.jacobian import smallest_jacobian
 from ngcell.results.overlap import deepest_overlap_of_bodies
 from ngcell.results.quadrature import quadrature_error
@@ -122,7 +122,7 @@ def certify(
         How the state was reached.
     """
     space, parts = problem.space, problem.unknowns.lets_bodies_part
-    held, loaded = body_resultants(space, nodal.reaction), body_resultants(space, nodal.load)
+    held, loaded = space.resultants(nodal.reaction), space.resultants(nodal.load)
     largest = max(_largest(forces.force), _largest(held), scales.force)
     on_body = _largest(forces.on_body + held + loaded) if parts else 0.0
     common = {

@@ -17,7 +17,7 @@ from ngcell.problem.problem import Problem
 from ngcell.problem.state import State
 from ngcell.results.checks import NodalForces, scales_of
 from ngcell.results.error import Numbers
-from ngcell.results.forces import ContactForces, body_resultants, contact_forces
+from ngcell.results.forces import ContactForces, contact_forces
 
 Array = NDArray[np.float64]
 
@@ -118,7 +118,7 @@ def numbers_of(setup: Setup, problem: Problem, state: State, proximal: Held) -> 
         mean_gap=mean,
         largest_gap=largest,
         scales=(scales.energy, force, OPEN * thickness),
-        besides=problem.overlap_work(state.at) / 2 + proximal_energy,
+        besides=problem.overlap_work(state.at) + proximal_energy,
     )
 
 
@@ -132,7 +132,7 @@ def mean_and_largest(facing: FacingWalls, gap: Array, chosen: NDArray[np.bool_])
 def _held_by_nothing(problem: Problem, setup: Setup, forces: ContactForces, proximal_force: Array) -> tuple[int, ...]:
     if not problem.unknowns.lets_bodies_part:
         return ()
-    pull = np.linalg.norm(body_resultants(problem.space, proximal_force), axis=1)
+    pull = np.linalg.norm(problem.space.resultants(proximal_force), axis=1)
     free = forces.pressed <= HELD * pull
     free[np.unique(problem.space.body_of_unknown[setup.motion.fixed.any(0)])] = False
     return tuple(int(body) for body in np.flatnonzero(free))

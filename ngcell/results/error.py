@@ -2,10 +2,9 @@
 
 With a remaining share r of the error from one mesh to the next, numbers q on two of them differ by (1 - r) times the
 error of the coarser one: the finer one errs by ``|q - q'| r / (1 - r)``. The share is measured where there are three
-meshes, from how much less the second refinement has changed than the first; it is never taken smaller than what the
-strongest singularity of the bodies lets remain, and never larger than `MOST_REMAINS`. Beside the mesh, the energy errs
-by contact that is not rigid (a finite penalty stores C, and leaves bodies with 2 C less than rigid contact would), and
-by what the proximal term still holds.
+meshes, from how much less the second refinement has changed the energy than the first; it is never taken smaller than
+what the strongest singularity of the bodies lets remain, and never larger than `MOST_REMAINS`. Beside the mesh, the
+energy errs by contact that is not rigid, at most by forces times overlaps, and by what the proximal term still holds.
 """
 
 from __future__ import annotations
@@ -101,11 +100,12 @@ def estimate(found: Sequence[Numbers], remains: float, *, of_last: bool = True) 
         return Errors()
     last = found[-1]
 
+    changes = [_change(one, two, "energy") for one, two in zip(found, found[1:], strict=False)]
+    measured = changes[-1] / changes[-2] if len(changes) > 1 and changes[-2] > 0 else 0.0
+    share = min(max(measured, remains), MOST_REMAINS)
+
     def error(name: str) -> float:
-        changes = [_change(one, two, name) for one, two in zip(found, found[1:], strict=False)]
-        measured = changes[-1] / changes[-2] if len(changes) > 1 and changes[-2] > 0 else 0.0
-        share = min(max(measured, remains), MOST_REMAINS)
-        return changes[-1] * (share if of_last else 1.0) / (1 - share)
+        return _change(found[-2], last, name) * (share if of_last else 1.0) / (1 - share)
 
     energy = error("energy") + last.besides
     force, contact = error("plate_force"), error("contact_force")

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.term import Interaction
 from ngcell.problem.problem import Problem
 from ngcell.problem.reports import interaction
@@ -83,10 +82,3 @@ def _resultants(acting: Interaction, count: int) -> ContactForces:
     normal = np.zeros(len(found))
     np.add.at(normal, place.ravel(), acting.normal)
     return ContactForces(bodies, sums, on_body, pressed, normal)
-
-
-def body_resultants(space: DisplacementSpace, nodal_force: Array) -> Array:
-    """Return the sum of nodal forces over each body, shape (bodies, dimension)."""
-    weighted = nodal_force.reshape(space.dimension, -1) * space.one
-    count = space.body_count
-    return np.array([np.bincount(space.body_of_unknown, row, minlength=count) for row in weighted]).T

@@ -126,6 +126,9 @@ class Continuation:
             way += effort.iterations
             if minimum.ending is Ending.STALLED and weight > options.stiffen_at and not may_stall:
                 minimum = replace(minimum, ending=Ending.NO_DESCENT)
+            if minimum.is_found and is_end and weight > options.least and _is_felt(minimiser, minimum, options.felt):
+                place, weight = minimum.state.displacement, max(weight / 10, options.least)
+                continue
             if minimum.is_found and is_end:
                 most = 2 * enough.way - way if enough else None
                 minimum = until_conditions_hold(
@@ -188,6 +191,19 @@ def until_conditions_hold(
         if cycles and most is not None and minimiser.effort.iterations - spent > most:
             break
     return replace(minimum, ending=Ending.CONDITIONS_MISSED)
+
+
+def _is_felt(minimiser: Minimiser, minimum: Minimum, share: float) -> bool:
+    """Return whether the proximal term pulls a body by more than a share of the largest force on one."""
+    problem, state = minimiser.problem, minimum.state
+    line = problem.linearise(state)
+    contact = line.jacobian.T @ (line.penalty * np.minimum(line.gap, 0))
+    support = np.where(problem.free, 0.0, problem.gradient(state))
+    pull = minimum.proximal.gradient(state.displacement, problem.mass)
+    pulled, pressed, held = (
+        float(np.linalg.norm(problem.resultants(force), axis=1).max()) for force in (pull, contact, support)
+    )
+    return pulled > share * max(pressed, held)
 
 
 def _without_round_off(place: Array, minimiser: Minimiser, last_digit: float) -> Array:

@@ -96,6 +96,9 @@ class ContinuationOptions:
     ----------
     first, enough, last : float
         Weight at the start, where the continuation may end if need be, and at its end.
+    of_accuracy, least, felt : float
+        Weight at the end over the accuracy that is asked for, where it is not smaller by itself; weight down to which
+        it goes on where it is felt, and the share of the largest force on a body that is felt.
     first_overlapping : float
         Weight at the start where walls overlap at rest: a larger one would hold them deep in each other, where the
         nearest wall changes from point to point and the energy is not smooth.
@@ -127,6 +130,9 @@ class ContinuationOptions:
     first: float = 1e3
     enough: float = 1e-7
     last: float = 1e-9
+    of_accuracy: float = 1e-4
+    least: float = 1e-9
+    felt: float = 1e-4
     first_overlapping: float = 1.0
     narrowest: float = 0.5
     widest: float = 1.0
@@ -207,8 +213,6 @@ class SolverOptions:
         it: there Newton's method crawls along the curved valley of constant volume.
     refined : float
         Decrement at which a minimisation on a finer mesh ends, as a share of the energy.
-    proximal_share : float
-        Weight at the end of the continuation over the accuracy that is asked for, where it is not smaller by itself.
     most_iterations : int
         Iterations of a step, all attempts together; the shipped cases take at most 300.
     """
@@ -220,5 +224,4 @@ class SolverOptions:
     direct_bulk: float = 1e4
     bulk_stage: float = 30.0
     refined: float = 1e-13
-    proximal_share: float = 1e-4
     most_iterations: int = 5000

@@ -122,6 +122,9 @@ class Problem(Protocol):
     def start_from(self, before: Any, state: Any) -> None:
         """Start from what the problem of the continuation stage before knows at an equilibrium of its own."""
 
+    def resultants(self, nodal: Array) -> Array:
+        """Return the sum of nodal forces over each body, shape (bodies, dimension)."""
+
     def update_multipliers(self, state: Any) -> tuple[float, float]:
         """Update multipliers at an equilibrium; return the gap [length] by which it misses conditions that the
         energy only approaches, and the energy that stands for what is missed; zeros where there are none."""

@@ -13,7 +13,7 @@ from ngcell.build.reported import Step
 from ngcell.build.simulation import Simulation
 from ngcell.contact.methods.by_mortar import Mortar
 from ngcell.contact.options import ContactOptions
-from ngcell.results.forces import body_resultants, contact_forces
+from ngcell.results.forces import contact_forces
 
 
 def case(strategy: str = "sddp", contact: str = "mortar", displacement: float = 0.5) -> ngcell.Case:
@@ -78,7 +78,7 @@ def test_k6_the_plates_pull_as_hard_as_walls_press_across_a_cut(contact, cut):
     crosses = above[forces.bodies[:, 0]] != above[forces.bodies[:, 1]]
     upwards = np.where(above[forces.bodies[:, 0]], 1, -1)[crosses, None]
     across = (upwards * forces.force[crosses]).sum(0)
-    plate, held = (body_resultants(problem.space, force)[above].sum(0) for force in (support, pull))
+    plate, held = (problem.space.resultants(force)[above].sum(0) for force in (support, pull))
     size = np.linalg.norm(plate)
     assert size > 1e-3 and np.linalg.norm(held) < 1e-6 * size
     np.testing.assert_allclose(across + plate, 0, atol=1e-6 * size)
