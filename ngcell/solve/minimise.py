@@ -96,10 +96,8 @@ class Minimiser:
                 lowest, idle = decrement, 0
             elif decrement <= 4 * lowest:
                 idle += 1
-            if idle == self.options.idle and lowest <= max(
-                self.options.stalled * abs(state.energy), self.options.unseen * self.options.noise * self.energy_scale
-            ):
-                return Minimum(state, Ending.STALLED, decrement, proximal)
+            if idle == self.options.idle and lowest <= self._unseen(state):
+                return Minimum(state, self._ending_of_stall(state, proximal), decrement, proximal)
         return Minimum(state, Ending.TOO_MANY_ITERATIONS, decrement, proximal)
 
     def predict(self, displacement: Array, imposed: Array, weight: float) -> Array:
@@ -164,6 +162,18 @@ class Minimiser:
             decrement
             <= max(self.options.no_decrement * abs(state.energy), self.options.no_decrement**1.5 * self.energy_scale)
         )
+
+    def _unseen(self, state: State) -> float:
+        """Return the decrement that is lost where iterations lead nowhere [energy]."""
+        options = self.options
+        return max(options.stalled * abs(state.energy), options.unseen * options.noise * self.energy_scale)
+
+    def _ending_of_stall(self, state: State, proximal: ProximalTerm) -> Ending:
+        """Return what iterations that lead nowhere mean: damping makes decrements small, whatever the forces are."""
+        model, matrix = self._model(state, self.problem.linearise(state), proximal, 0.0)
+        step, change = self._step(model, matrix)
+        is_balanced = change <= 0 and -float(model.full_gradient @ step) <= self._unseen(state)
+        return Ending.STALLED if is_balanced else Ending.NO_DESCENT
 
     def _at(self, displacement: Array) -> State:
         self.effort.evaluations += 1

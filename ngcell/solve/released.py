@@ -136,8 +136,11 @@ class Released:
         Soft contact lets bodies that hardly change their volume sink into each other until the nearest wall of a point
         changes from one to the next.
         """
+        begin = self.path.begin(self.apart, start, centre)
+        if not begin.is_found:
+            return begin
         for first in range(len(self.minimisers)):
-            minimum = self.path.select(self.apart, self.minimisers[first:], start, centre, may_stall=may_stall)
+            minimum = self.path.select(begin.state, self.minimisers[first:], centre, may_stall=may_stall)
             if minimum.is_found or minimum.ending is Ending.NO_ENERGY:
                 break
             if first + 1 < len(self.minimisers):
