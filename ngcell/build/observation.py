@@ -162,7 +162,7 @@ class Observer:
         tied : Configuration, optional
             The tied state at the same load that walls were released from.
         """
-        path = Path(accepted.follows, tied, accepted.account)
+        path = Path(accepted.follows, tied, accepted.account, accepted.minimum.lowest_curvature)
         measured = self._measure(accepted, problem, checkpoint, path)
         after = checkpoint.after(accepted.phase, accepted.minimum.state.displacement, measured.work)
         view = View(problem, _state(accepted), self._setup.walls, self._setup.motion, measured.reaction)

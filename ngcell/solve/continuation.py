@@ -169,7 +169,8 @@ def until_conditions_hold(
     before, was_increased, spent = float("inf"), False, minimiser.effort.iterations
     for _ in range(options.most_updates):
         missed, energy = minimiser.problem.update_multipliers(minimum.state)
-        helpless = was_increased and missed > before / 2 and energy <= options.nothing * abs(minimum.state.energy)
+        is_nothing = 0 < energy <= options.nothing * abs(minimum.state.energy)
+        helpless = was_increased and missed > before / 2 and is_nothing
         if missed <= options.condition * length or helpless:
             return minimum
         _log.info("conditions missed by %.1e", missed)
