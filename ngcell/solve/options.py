@@ -151,7 +151,7 @@ class StabilityOptions:
     Attributes
     ----------
     near, far : float
-        Weights of the mass matrix, in units of the continuation's scale, that shift the tangent. With the first one the
+        Weights of the mass matrix, in units of the continuation's scale, added to the tangent. With the first one the
         eigenvalues next to zero stand apart and take few rounds; where one is negative, the second, large beside
         negative curvatures, finds the lowest.
     rounds, settled : int, float

@@ -96,21 +96,21 @@ def lowest_mode(minimiser: Minimiser, minimum: Minimum, options: StabilityOption
 
     `scale` [stress / length**2] is that of curvatures.
     """
-    for shift in (options.near * scale, options.far * scale):
-        mode = _mode_near(minimiser, minimum, shift, options)
+    for weight in (options.near * scale, options.far * scale):
+        mode = _mode_near(minimiser, minimum, weight, options)
         _log.info("lowest curvature %.1e times the scale, %d rounds", mode.curvature / scale, mode.rounds)
         if not mode.curvature < -options.negative * scale:
             break
     return mode
 
 
-def _mode_near(minimiser: Minimiser, minimum: Minimum, shift: float, options: StabilityOptions) -> Mode:
-    """Return the lowest eigenvalue; where some are below ``-shift``, the one of these that is nearest to it."""
-    solve, free = minimiser.stiffened(minimum, shift), minimiser.problem.free
+def _mode_near(minimiser: Minimiser, minimum: Minimum, weight: float, options: StabilityOptions) -> Mode:
+    """Return the lowest eigenvalue; where some are below ``-weight``, the one of these that is nearest to it."""
+    solve, free = minimiser.stiffened(minimum, weight), minimiser.problem.free
     theta, direction, rounds = _lanczos(solve, minimiser.problem.mass, free, options)
     # A sign that no symmetry of the direction makes a tie.
     sign = np.sign(direction @ _pattern(len(direction))) or 1.0
-    return Mode(float(1 / theta - shift), np.asarray(sign * direction / np.abs(direction).max()), rounds)
+    return Mode(float(1 / theta - weight), np.asarray(sign * direction / np.abs(direction).max()), rounds)
 
 
 def _below(
@@ -119,7 +119,7 @@ def _below(
     """Return the curvature of the energy along a direction, and the lower of the minima on both sides of a saddle.
 
     There is no minimum where the energy does not fall. The curvature is the lowest that differences of energies show
-    [stress / length**2].
+    [stress / length**2]; falls that count as nothing do not.
     """
     proximal, problem = minimum.proximal, minimiser.problem
     whole = minimum.state.energy + minimiser.proximal_energy(minimum.state.displacement, proximal)
@@ -131,7 +131,7 @@ def _below(
             start = minimum.state.displacement + sign * share * direction
             fallen = whole - problem.at(start).energy - minimiser.proximal_energy(start, proximal)
             if np.isfinite(fallen):
-                curvature = min(curvature, -2 * fallen / (share**2 * moved))
+                curvature = min(curvature, -2 * (fallen if fallen > least else min(fallen, 0.0)) / (share**2 * moved))
             if fallen > least:
                 trial = minimiser.minimise(start, proximal)
                 if trial.is_found:
