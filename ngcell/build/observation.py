@@ -127,7 +127,7 @@ class Observer:
         accuracy : float, optional
             What they are held to; None where none were to be estimated.
         """
-        path = Path(accepted.follows, tied, accepted.account)
+        path = Path(accepted.follows, tied, accepted.account, accepted.minimum.lowest_curvature)
         judged = () if accuracy is None else (errors.check(accuracy),)
         measured = self._measure(accepted, problem, checkpoint, path, judged)
         after = checkpoint.after(accepted.phase, accepted.minimum.state.displacement, measured.work)

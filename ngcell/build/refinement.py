@@ -26,7 +26,7 @@ from ngcell.results.error import Errors, Numbers, estimate
 from ngcell.solve.effort import OutOfIterations
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.proximal import ProximalTerm
-from ngcell.solve.refined import settled
+from ngcell.solve.refined import settled, stable
 from ngcell.solve.released import Released
 from ngcell.solve.step import Accepted, spent
 
@@ -130,6 +130,11 @@ class Refinement(Generic[Scene]):
 
         `at_least` is the number of the mesh that it is to be taken to whatever the error.
         """
+        found = self._refined(accepted, at_least)
+        return found if found.level == 0 else self._levels[found.level].stable(found)
+
+    def _refined(self, accepted: Accepted, at_least: int) -> Refined[Scene]:
+        """Return a step on the mesh that it is reported on."""
         is_judged = self.estimates and accepted.phase != "tied"
         last = Refined(0, self._levels[0].simulation, accepted, Errors(), is_judged)
         found = [self._numbers(last)]
@@ -233,6 +238,18 @@ class _Level(Generic[Scene]):
             simulation=mine,
             accepted=replace(accepted, minimum=minimum, effort=effort),
         )
+
+    def stable(self, found: Refined[Scene]) -> Refined[Scene]:
+        """Return a step with its lowest curvature, below a saddle if it rests on one; errors of that are not known."""
+        minimiser = (self._tied if found.accepted.phase == "tied" else self._released.minimisers)[-1]
+        effort, minimum, path = spent((minimiser,)), found.accepted.minimum, self._released.path
+        length, options = self._released.longest_step, self.simulation.options.solver
+        left = stable(minimiser, minimum, scale=path.scale, length=length, options=options)
+        if not left.is_found:
+            return replace(found, errors=Errors())
+        effort = found.accepted.effort + (spent((minimiser,)) - effort)
+        errors = found.errors if left.state is minimum.state else Errors()
+        return replace(found, accepted=replace(found.accepted, minimum=left, effort=effort), errors=errors)
 
     @property
     def _minimisers(self) -> tuple[Minimiser, ...]:

@@ -17,7 +17,6 @@ from ngcell.geometry.bodies import BodyMesh
 from ngcell.scene.entries import PLAIN_NAME
 
 Array = NDArray[np.float64]
-Elements = NDArray[np.void]
 
 #: What Netgen raises where it cannot make a mesh: its own error, that of OpenCASCADE, and what Python makes of others.
 NETGEN_ERRORS = (netgen.meshing.NgException, occ.OCCException, RuntimeError)
@@ -93,13 +92,6 @@ def name_boundaries(
             name = _named(mesh, member, f"{names[boundary.body]}_{kind}", kind_of_member)
             walls |= {name} if is_wall else set()
     return walls
-
-
-def are_apart(elements: Elements, corner_count: int, bodies: int) -> bool:
-    """Return whether all bodies have elements, and no point is used by two of them."""
-    points = elements["nodes"][:, :corner_count].ravel()
-    owners = np.unique(np.column_stack([points, np.repeat(elements["index"], corner_count)]), axis=0)
-    return len(np.unique(owners[:, 0])) == len(owners) and len(np.unique(owners[:, 1])) == bodies
 
 
 def _named(mesh: netgen.meshing.Mesh, member: int, otherwise: str, kind: str) -> str:

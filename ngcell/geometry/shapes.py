@@ -1,6 +1,7 @@
 """Faces that a user drew, as one mesh of separate bodies.
 
-The faces go to Netgen side by side and are never glued: where two bodies touch, each has its own vertices.
+The faces are never glued: where two bodies touch, each has its own vertices. Those that touch at rest are meshed
+together, all others apart (`ngcell.geometry.groups`).
 Elements are curved with the order of the displacement, so that a reference position is a displacement like any
 other.
 
@@ -27,9 +28,9 @@ from numpy.typing import NDArray
 
 from ngcell.errors import GeometryError
 from ngcell.geometry.bodies import BodyMesh
-from ngcell.geometry.boundaries import NETGEN_ERRORS, are_apart, named_bodies
+from ngcell.geometry.boundaries import named_bodies
+from ngcell.geometry.groups import mesh_bodies
 from ngcell.geometry.near import components
-from ngcell.geometry.sizes import sizes
 from ngcell.scene.entries import check_unique_names
 from ngcell.scene.mesh import Refinement
 
@@ -114,8 +115,7 @@ def mesh_shapes(
         return mesh_solids(shapes, names, order=order, size=size, untouched=untouched)
     faces = [_face(shape, name) for shape, name in zip(shapes, names, strict=True)]
     thicknesses = [2 * abs(face.mass) / sum(edge.mass for edge in face.edges) for face in faces]
-    with sizes(faces, thicknesses, size) as largest:
-        mesh = _netgen_mesh(faces, names, _meshing(largest, refinements))
+    mesh = mesh_bodies(faces, names, thicknesses, size, lambda largest: _meshing(largest, refinements))
     loops = _loops(mesh)
     elements = mesh.Elements2D().NumPy()
     body = np.asarray(elements["index"], dtype=np.int64) - 1
@@ -170,21 +170,6 @@ def _meshing(size: float, refinements: Sequence[Refinement]) -> netgen.meshing.M
         for x, y in offsets[np.linalg.norm(offsets, axis=1) <= circle.within] + circle.at:
             meshing.RestrictH(float(x), float(y), 0.0, circle.size)
     return meshing
-
-
-def _netgen_mesh(
-    faces: Sequence[occ.Face], names: Sequence[str], meshing: netgen.meshing.MeshingParameters
-) -> netgen.meshing.Mesh:
-    try:
-        mesh = occ.OCCGeometry(occ.Compound(list(faces)), dim=2).GenerateMesh(mp=meshing)
-    except NETGEN_ERRORS as error:
-        raise GeometryError(f"bodies {', '.join(names)}: Netgen cannot mesh them ({error})") from error
-    if not are_apart(mesh.Elements2D().NumPy(), 3, len(faces)):
-        raise GeometryError(
-            f"bodies {', '.join(names)}: two of them are the same face or share an edge; allowed: shapes of "
-            "their own, which may touch (do not Glue them, and Move a copy instead of repeating a face)"
-        )
-    return mesh
 
 
 def _loops(mesh: netgen.meshing.Mesh) -> list[_Loop]:

@@ -1,8 +1,8 @@
 """Solids that a user drew, as one mesh of separate bodies of tetrahedra: the counterpart of `ngcell.geometry.shapes`.
 
-The solids go to Netgen side by side and are never glued: where two bodies touch, each has its own vertices. The rules
-for walls are those of planar faces, with shells in place of loops: the outer shell of a body is a wall, and that of a
-hole is one if another body lies in it.
+The solids are never glued: where two bodies touch, each has its own vertices. Those that touch at rest are meshed
+together, all others apart. The rules for walls are those of planar faces, with shells in place of loops: the outer
+shell of a body is a wall, and that of a hole is one if another body lies in it.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from ngcell.errors import GeometryError
 from ngcell.geometry.bodies import BodyMesh
-from ngcell.geometry.boundaries import NETGEN_ERRORS, are_apart, named_bodies
+from ngcell.geometry.boundaries import named_bodies
 from ngcell.geometry.enclosure import winding_numbers
+from ngcell.geometry.groups import mesh_bodies
 from ngcell.geometry.near import components
-from ngcell.geometry.sizes import sizes
 
 Array = NDArray[np.float64]
 
@@ -62,8 +62,7 @@ def mesh_solids(
     """
     solids = [_solid(shape, name) for shape, name in zip(shapes, names, strict=True)]
     thicknesses = [2 * abs(solid.mass) / sum(face.mass for face in solid.faces) for solid in solids]
-    with sizes(solids, thicknesses, size) as largest:
-        mesh = _netgen_mesh(solids, names, largest)
+    mesh = mesh_bodies(solids, names, thicknesses, size, _meshing)
     shells = _shells(mesh)
     elements = mesh.Elements3D().NumPy()
     body = np.asarray(elements["index"], dtype=np.int64) - 1
@@ -79,19 +78,10 @@ def _solid(shape: occ.TopoDS_Shape, name: str) -> occ.Solid:
     return shape.solids[0]
 
 
-def _netgen_mesh(solids: Sequence[occ.Solid], names: Sequence[str], size: float) -> netgen.meshing.Mesh:
-    # Netgen's threads wait for each other a hundred times longer than a small mesh takes, and number points by chance.
-    meshing = netgen.meshing.MeshingParameters(maxh=size, parallel_meshing=False)
-    try:
-        mesh = occ.OCCGeometry(occ.Compound(list(solids)), dim=3).GenerateMesh(mp=meshing)
-    except NETGEN_ERRORS as error:
-        raise GeometryError(f"bodies {', '.join(names)}: Netgen cannot mesh them ({error})") from error
-    if not are_apart(mesh.Elements3D().NumPy(), 4, len(solids)):
-        raise GeometryError(
-            f"bodies {', '.join(names)}: two of them are the same solid or share a face; allowed: shapes of "
-            "their own, which may touch (do not Glue them, and Move a copy instead of repeating a solid)"
-        )
-    return mesh
+def _meshing(size: float) -> netgen.meshing.MeshingParameters:
+    """Return sizes of elements; Netgen's threads wait for each other a hundred times longer than a small mesh takes,
+    and number points by chance."""
+    return netgen.meshing.MeshingParameters(maxh=size, parallel_meshing=False)
 
 
 def _shells(mesh: netgen.meshing.Mesh) -> list[_Shell]:

@@ -53,11 +53,14 @@ class Path:
         The tied state at the same load that walls were released from.
     account : Account, optional
         Where energy went, of a scene with a history.
+    lowest_curvature : float, optional
+        Lowest eigenvalue of the tangent over the scale of curvatures; None where it was not sought.
     """
 
     follows: bool = False
     tied: Configuration | None = None
     account: Account | None = None
+    lowest_curvature: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,6 +138,7 @@ def certify(
         "work_mismatch": _work_mismatch(unstored_work, parts, path) / scales.at_stake,
         **({} if path.account is None else {"energy_balance": path.account.mismatch_share}),
         **({} if path.tied is None else {"energy_above_tied": _above(problem, state.at, path.tied) / scales.at_stake}),
+        **({} if path.lowest_curvature is None else {"lowest_curvature": path.lowest_curvature}),
     }
     found: list[Check] = [common_check(name, value) for name, value in common.items()]
     found += [_smallest_jacobian(space, state), *_self_penetration(space, state, scales)]

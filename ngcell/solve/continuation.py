@@ -65,38 +65,35 @@ class Continuation:
     scale: float
     options: ContinuationOptions = field(default_factory=ContinuationOptions)
 
+    def begin(self, apart: Minimiser, start: Array, centre: Array) -> Minimum:
+        """Return where the path begins: the minimum of the problem without contact, under the first weight.
+
+        It goes down to round-off, so that the path does not depend on `start`.
+        """
+        return _minimise(apart, start, self._proximal(self.options.first, centre), 0.0, self.options.first)[0]
+
     def select(
-        self,
-        apart: Minimiser,
-        minimisers: Sequence[Minimiser],
-        start: Array,
-        centre: Array,
-        *,
-        may_stall: bool = True,
+        self, begin: State, minimisers: Sequence[Minimiser], centre: Array, *, may_stall: bool = True
     ) -> Minimum:
         """Follow the path and return its end; a minimisation that fails ends it.
 
         Parameters
         ----------
-        apart : Minimiser
-            Of the problem without contact.
+        begin : State
+            Where the path begins.
         minimisers : sequence of Minimiser
             Of the released problem, with contact from soft to stiff: the first follows the path down to
             `stiffen_at`, where the others take over one after the other; the last goes to its end.
-        start, centre : array of float, shape (unknowns,)
-            Where the path starts, and the centre of the proximal term [length].
+        centre : array of float, shape (unknowns,)
+            The centre of the proximal term [length].
         may_stall : bool
             Whether a minimisation may stall where the proximal term is still strong; what lies behind may be another
             equilibrium, and a smaller load step would not have come there.
         """
-        # Down to round-off, and then cut, so that whatever the start, the path goes on from the same place.
         options = self.options
-        minimum, _ = _minimise(apart, start, self._proximal(self.options.first, centre), 0.0, self.options.first)
         for minimiser in minimisers:
             minimiser.forget_matrix()
-        if not minimum.is_found:
-            return minimum
-        minimum, instead = self._follow(minimisers, minimum.state, centre, may_stall)
+        minimum, instead = self._follow(minimisers, begin, centre, may_stall)
         if instead is None:
             return minimum
         _log.info("the path ends at %.0e", instead.weight)
@@ -175,7 +172,8 @@ def until_conditions_hold(
     before, was_increased, spent = float("inf"), False, minimiser.effort.iterations
     for _ in range(options.most_updates):
         missed, energy = minimiser.problem.update_multipliers(minimum.state)
-        helpless = was_increased and missed > before / 2 and energy <= options.nothing * abs(minimum.state.energy)
+        is_nothing = 0 < energy <= options.nothing * abs(minimum.state.energy)
+        helpless = was_increased and missed > before / 2 and is_nothing
         if missed <= options.condition * length or helpless:
             return minimum
         _log.info("conditions missed by %.1e", missed)

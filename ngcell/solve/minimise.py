@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ngcell.clock import Clock
 from ngcell.solve.effort import Budget, Effort
-from ngcell.solve.minimum import Ending, Minimum
+from ngcell.solve.minimum import Advance, Ending, Minimum
 from ngcell.solve.one_sided import Matrix, OneSidedModel, minimise_one_sided
 from ngcell.solve.options import MinimiserOptions
 from ngcell.solve.problem import Linearisation, Problem, State
@@ -28,16 +28,6 @@ from ngcell.solve.system import System, direct_system, iterative_system
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
-
-
-@dataclass(frozen=True, eq=False)
-class _Advance:
-    """The next iterate, the damping to go on with, the decrement, and the damping that led here."""
-
-    state: State
-    damping: float
-    decrement: float
-    damping_used: float
 
 
 @dataclass
@@ -96,10 +86,8 @@ class Minimiser:
                 lowest, idle = decrement, 0
             elif decrement <= 4 * lowest:
                 idle += 1
-            if idle == self.options.idle and lowest <= max(
-                self.options.stalled * abs(state.energy), self.options.unseen * self.options.noise * self.energy_scale
-            ):
-                return Minimum(state, Ending.STALLED, decrement, proximal)
+            if idle == self.options.idle and lowest <= self._unseen(state):
+                return Minimum(state, self._ending_of_stall(state, proximal), decrement, proximal)
         return Minimum(state, Ending.TOO_MANY_ITERATIONS, decrement, proximal)
 
     def predict(self, displacement: Array, imposed: Array, weight: float) -> Array:
@@ -158,19 +146,32 @@ class Minimiser:
         """Whether systems are solved by iterations, and not factorised in one piece."""
         return len(self.problem.free) > self.options.most_direct and self.problem.dimension == 3
 
+    @property
+    def _noise(self) -> float:
+        return self.options.noise * self.energy_scale
+
     def _is_lost(self, state: State, decrement: float) -> bool:
         """Return whether a decrement is round-off of the energy."""
-        return bool(
-            decrement
-            <= max(self.options.no_decrement * abs(state.energy), self.options.no_decrement**1.5 * self.energy_scale)
-        )
+        least = self.options.no_decrement
+        return bool(decrement <= max(least * abs(state.energy), least**1.5 * self.energy_scale))
+
+    def _unseen(self, state: State) -> float:
+        """Return the decrement that is lost where iterations lead nowhere [energy]."""
+        return max(self.options.stalled * abs(state.energy), self.options.unseen * self._noise)
+
+    def _ending_of_stall(self, state: State, proximal: ProximalTerm) -> Ending:
+        """Return what iterations that lead nowhere mean: damping makes decrements small, whatever the forces are."""
+        model, matrix = self._model(state, self.problem.linearise(state), proximal, 0.0)
+        step, change = self._step(model, matrix)
+        is_balanced = change <= 0 and -float(model.full_gradient @ step) <= self._unseen(state)
+        return Ending.STALLED if is_balanced else Ending.NO_DESCENT
 
     def _at(self, displacement: Array) -> State:
         self.effort.evaluations += 1
         with self.clock.phase("pairs and energies"):
             return self.problem.at(displacement)
 
-    def _descend(self, state: State, proximal: ProximalTerm, damping: float, tolerance: float) -> _Advance | None:
+    def _descend(self, state: State, proximal: ProximalTerm, damping: float, tolerance: float) -> Advance | None:
         """Return the next iterate, or None if no damping makes a step that lowers the energy.
 
         A state whose own decrement is within the tolerance is the last but one, even where a kink spoils its step.
@@ -178,7 +179,7 @@ class Minimiser:
         with self.clock.phase("assembly"):
             line = self.problem.linearise(state)
         energy = state.energy + self.proximal_energy(state.displacement, proximal)
-        lost = max(self.options.round_off * abs(energy), self.options.noise * self.energy_scale)
+        lost = max(self.options.round_off * abs(energy), self._noise)
         (model, matrix), is_last = self._model(state, line, proximal, damping), False
         for _ in range(self.options.most_refusals):
             step, change = self._step(model, matrix)
@@ -186,7 +187,7 @@ class Minimiser:
             if change <= 0 <= decrement:
                 trial, gain = self._tried(state, step, proximal, energy)
                 if -lost < change and -lost < gain:
-                    return _Advance(trial, 0.0, decrement, damping)
+                    return Advance(trial, 0.0, decrement, damping)
                 if gain <= self.options.poor * -change:
                     bent = self._bent(line, (model, matrix), step, trial, self.options.poor * -change - gain)
                     if bent is not None:
@@ -197,7 +198,7 @@ class Minimiser:
                 is_last = is_last or (damping == 0 and decrement <= tolerance)
                 if quality > self.options.poor:
                     relaxed = self._relaxed(damping, quality, model, step)
-                    return _Advance(trial, relaxed, decrement, 0.0 if is_last else damping)
+                    return Advance(trial, relaxed, decrement, 0.0 if is_last else damping)
             raised = max(self.options.raise_by * damping, self._weight_of(self.options.felt, model, step))
             stiffness = self._required.with_metric(model.stiffness, raised - damping)
             model, damping = replace(model, stiffness=stiffness), raised
@@ -277,9 +278,8 @@ class Minimiser:
         return self._system
 
     def _is_near(self, state: State, margin: float) -> bool:
-        if self._near_at is None:
-            return False
-        return not self._may_touch or float(np.abs(state.displacement - self._near_at).max()) <= margin / 2
+        moved = np.inf if self._near_at is None else float(np.abs(state.displacement - self._near_at).max())
+        return moved <= margin / 2 or (self._near_at is not None and not self._may_touch)
 
     def _make_room(self, state: State) -> None:
         """Make a matrix, or a new one when walls that may have come into reach have no room in it."""

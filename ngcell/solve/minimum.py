@@ -1,4 +1,4 @@
-"""Where a minimisation ends."""
+"""Where a minimisation goes next, and where it ends."""
 
 from __future__ import annotations
 
@@ -35,14 +35,29 @@ class Minimum:
         Newton decrement ``g K^-1 g`` [energy] of the last step.
     proximal : ProximalTerm
         What held floating bodies.
+    lowest_curvature : float, optional
+        Lowest eigenvalue of the tangent, closed contacts held closed, as a multiple of the scale of the continuation;
+        None where it is not known. Where the tangent is negative but the energy does not fall, as at a kink, that of
+        the energy.
     """
 
     state: State
     ending: Ending
     decrement: float
     proximal: ProximalTerm
+    lowest_curvature: float | None = None
 
     @property
     def is_found(self) -> bool:
         """Whether there is a minimum, as far as the minimisation can tell."""
         return self.ending in (Ending.CONVERGED, Ending.STALLED)
+
+
+@dataclass(frozen=True, eq=False)
+class Advance:
+    """The next iterate, the damping to go on with, the decrement, and the damping that led here."""
+
+    state: State
+    damping: float
+    decrement: float
+    damping_used: float

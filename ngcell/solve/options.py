@@ -156,10 +156,16 @@ class StabilityOptions:
 
     Attributes
     ----------
-    weight : float
-        A weight of the mass matrix, in units of the continuation's scale, large beside curvatures worth finding.
-    rounds, negative : int, float
-        Most rounds of Lanczos' method, and the share of the weight below which a negative curvature is none.
+    near, far : float
+        Weights of the mass matrix, in units of the continuation's scale, added to the tangent. With the first one the
+        eigenvalues next to zero stand apart and take few rounds; where one is negative, the second, large beside
+        negative curvatures, finds the lowest.
+    rounds, settled : int, float
+        Most rounds of Lanczos' method, and the residual of a Ritz pair, as a share of its value, at which it ends.
+    negative : float
+        Multiple of the scale down to which a negative curvature is none.
+    lost : float
+        Share of the largest Ritz value below which a negative one is round-off.
     departures : tuple of float
         Distances from a saddle that are tried, as shares of the longest step.
     fallen, same : float
@@ -168,9 +174,12 @@ class StabilityOptions:
         Most saddles that are left one after the other.
     """
 
-    weight: float = 10.0
+    near: float = 0.01
+    far: float = 10.0
     rounds: int = 40
-    negative: float = 1e-4
+    settled: float = 1e-3
+    negative: float = 1e-3
+    lost: float = 1e-9
     departures: tuple[float, ...] = (0.5, 0.05, 0.005)
     fallen: float = 1e-9
     same: float = 1e-6

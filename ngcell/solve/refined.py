@@ -13,7 +13,7 @@ from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Minimum
 from ngcell.solve.options import SolverOptions
 from ngcell.solve.proximal import ProximalTerm
-from ngcell.solve.stability import leave_saddle
+from ngcell.solve.stability import stable_minimum
 
 Array = NDArray[np.float64]
 
@@ -58,8 +58,9 @@ def settled(
 def stable(
     minimiser: Minimiser, minimum: Minimum, *, scale: float, length: float, options: SolverOptions
 ) -> Minimum:
-    """Return a minimum below a saddle, with contact conditions met; what is no saddle stays as it is."""
-    left = leave_saddle(minimiser, minimum, options.stability, scale=scale, length=length)
-    if left is minimum or not left.is_found:
-        return left
-    return until_conditions_hold(minimiser, left, length, options.continuation)
+    """Return a minimum below a saddle, with contact conditions met; what is no saddle is told its lowest curvature."""
+
+    def until_met(below: Minimum) -> Minimum:
+        return until_conditions_hold(minimiser, below, length, options.continuation)
+
+    return stable_minimum(minimiser, minimum, until_met, options.stability, scale=scale, length=length)

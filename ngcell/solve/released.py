@@ -15,7 +15,7 @@ from ngcell.solve.options import StabilityOptions
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.problem import Problem
 from ngcell.solve.proximal import ProximalTerm
-from ngcell.solve.stability import leave_saddle
+from ngcell.solve.stability import stable_minimum
 from ngcell.solve.step import Accepted, StepFailed, spent
 
 Array = NDArray[np.float64]
@@ -123,12 +123,17 @@ class Released:
         return Accepted("released", load, minimum, self.effort - before)
 
     def _stable(self, minimum: Minimum) -> Minimum:
-        """Return a minimum below a saddle, with contact conditions met; what is no saddle stays as it is."""
-        minimiser = self.minimisers[-1]
-        left = leave_saddle(minimiser, minimum, self.stability, scale=self.path.scale, length=self.longest_step)
-        if left is minimum or not left.is_found:
-            return left
-        return until_conditions_hold(minimiser, left, self.longest_step, self.path.options)
+        """Return the minimum with its lowest curvature; one below it, with contact conditions met, if it is a saddle.
+        """
+        minimiser, length = self.minimisers[-1], self.longest_step
+        return stable_minimum(
+            minimiser,
+            minimum,
+            lambda below: until_conditions_hold(minimiser, below, length, self.path.options),
+            self.stability,
+            scale=self.path.scale,
+            length=length,
+        )
 
     def _selected(self, start: Array, centre: Array, may_stall: bool) -> Minimum:
         """Return the end of the path; where contact turns out too soft to follow it, that of a stiffer stage's.
@@ -136,8 +141,11 @@ class Released:
         Soft contact lets bodies that hardly change their volume sink into each other until the nearest wall of a point
         changes from one to the next.
         """
+        begin = self.path.begin(self.apart, start, centre)
+        if not begin.is_found:
+            return begin
         for first in range(len(self.minimisers)):
-            minimum = self.path.select(self.apart, self.minimisers[first:], start, centre, may_stall=may_stall)
+            minimum = self.path.select(begin.state, self.minimisers[first:], centre, may_stall=may_stall)
             if minimum.is_found or minimum.ending is Ending.NO_ENERGY:
                 break
             if first + 1 < len(self.minimisers):

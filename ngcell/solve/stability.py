@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,10 +30,37 @@ Array = NDArray[np.float64]
 _log = logging.getLogger(__name__)
 
 
-def leave_saddle(
-    minimiser: Minimiser, minimum: Minimum, options: StabilityOptions, *, scale: float, length: float
+@dataclass(frozen=True)
+class Mode:
+    """The lowest eigenvalue of a tangent, closed contacts held closed.
+
+    Attributes
+    ----------
+    curvature : float
+        The eigenvalue in the metric of the mass matrix [stress / length**2].
+    direction : array of float, shape (unknowns,)
+        Its eigenvector, largest component 1.
+    rounds : int
+        Rounds of Lanczos' method that it took.
+    """
+
+    curvature: float
+    direction: Array
+    rounds: int
+
+
+def stable_minimum(
+    minimiser: Minimiser,
+    minimum: Minimum,
+    until_met: Callable[[Minimum], Minimum],
+    options: StabilityOptions,
+    *,
+    scale: float,
+    length: float,
 ) -> Minimum:
-    """Return a minimum: the one that is given, unless it is a saddle.
+    """Return a minimum with its lowest curvature: the one that is given, or one below it if that is a saddle.
+
+    Three-dimensional scenes are not searched: their minima are left as they are, without a curvature.
 
     Parameters
     ----------
@@ -41,6 +68,8 @@ def leave_saddle(
         What found it.
     minimum : Minimum
         Where it ended.
+    until_met : function
+        Returns a minimum near one, with the conditions of contact met.
     options : StabilityOptions
         The method's own numbers.
     scale : float
@@ -48,58 +77,71 @@ def leave_saddle(
     length : float
         How far from a saddle other minima are looked for [length].
     """
-    weight = options.weight * scale
     for _ in range(options.most_saddles):
-        direction = concave_direction(minimiser, minimum, weight, options) if minimum.is_found else None
-        below = None if direction is None else _below(minimiser, minimum, length * direction, options)
-        if below is None:
+        if minimiser.problem.dimension == 3 or not minimum.is_found:
             return minimum
+        mode = lowest_mode(minimiser, minimum, options, scale=scale)
+        curvature, below = mode.curvature, None
+        if curvature < -options.negative * scale:
+            curvature, below = _below(minimiser, minimum, length * mode.direction, options)
+        if below is None:
+            return replace(minimum, lowest_curvature=curvature / scale)
         _log.info("a saddle is left: energy %.8e, then %.8e", minimum.state.energy, below.state.energy)
-        minimum = below
+        minimum = until_met(below)
     return replace(minimum, ending=Ending.SADDLE)
 
 
-def concave_direction(
-    minimiser: Minimiser, minimum: Minimum, weight: float, options: StabilityOptions
-) -> Array | None:
-    """Return a direction of negative curvature, its largest component 1; None where none was found.
+def lowest_mode(minimiser: Minimiser, minimum: Minimum, options: StabilityOptions, *, scale: float) -> Mode:
+    """Return the lowest eigenvalue of the tangent at a minimum, its vector, and what it took.
 
-    `weight` [stress / length**2] should be large beside the curvatures worth finding.
-    Three-dimensional scenes are not searched.
+    `scale` [stress / length**2] is that of curvatures.
     """
-    if minimiser.problem.dimension == 3:
-        return None
+    for weight in (options.near * scale, options.far * scale):
+        mode = _mode_near(minimiser, minimum, weight, options)
+        _log.info("lowest curvature %.1e times the scale, %d rounds", mode.curvature / scale, mode.rounds)
+        if not mode.curvature < -options.negative * scale:
+            break
+    return mode
+
+
+def _mode_near(minimiser: Minimiser, minimum: Minimum, weight: float, options: StabilityOptions) -> Mode:
+    """Return the lowest eigenvalue; where some are below ``-weight``, the one of these that is nearest to it."""
     solve, free = minimiser.stiffened(minimum, weight), minimiser.problem.free
-    theta, direction = _lanczos(solve, minimiser.problem.mass, free, options.rounds)
-    curvature = (1 / theta if theta else np.inf) - weight
-    if not curvature < -options.negative * weight:
-        return None
-    _log.info("curvature %.1e times the scale", curvature / weight)
+    theta, direction, rounds = _lanczos(solve, minimiser.problem.mass, free, options)
     # A sign that no symmetry of the direction makes a tie.
     sign = np.sign(direction @ _pattern(len(direction))) or 1.0
-    return np.asarray(sign * direction / np.abs(direction).max())
+    return Mode(float(1 / theta - weight), np.asarray(sign * direction / np.abs(direction).max()), rounds)
 
 
-def _below(minimiser: Minimiser, minimum: Minimum, direction: Array, options: StabilityOptions) -> Minimum | None:
-    """Return the lower of the minima on both sides of a saddle; None where the energy does not fall."""
+def _below(
+    minimiser: Minimiser, minimum: Minimum, direction: Array, options: StabilityOptions
+) -> tuple[float, Minimum | None]:
+    """Return the curvature of the energy along a direction, and the lower of the minima on both sides of a saddle.
+
+    There is no minimum where the energy does not fall. The curvature is the lowest that differences of energies show
+    [stress / length**2]; falls that count as nothing do not.
+    """
     proximal, problem = minimum.proximal, minimiser.problem
     whole = minimum.state.energy + minimiser.proximal_energy(minimum.state.displacement, proximal)
     least = max(options.fallen * abs(whole), minimiser.options.noise * minimiser.energy_scale)
-    found: list[tuple[float, Minimum]] = []
+    moved = float(direction @ (problem.mass @ direction))
+    curvature, found = np.inf, []
     for sign in (1.0, -1.0):
         for share in options.departures:
             start = minimum.state.displacement + sign * share * direction
-            energy = problem.at(start).energy + minimiser.proximal_energy(start, proximal)
-            if energy < whole - least:
+            fallen = whole - problem.at(start).energy - minimiser.proximal_energy(start, proximal)
+            if np.isfinite(fallen):
+                curvature = min(curvature, -2 * (fallen if fallen > least else min(fallen, 0.0)) / (share**2 * moved))
+            if fallen > least:
                 trial = minimiser.minimise(start, proximal)
                 if trial.is_found:
                     left = trial.state.energy + minimiser.proximal_energy(trial.state.displacement, proximal)
                     found.append((left, trial))
                 break
     if not found or min(found, key=lambda one: one[0])[0] >= whole - least:
-        return None
+        return curvature, None
     first, *other = found
-    return other[0][1] if other and other[0][0] < first[0] - options.same * abs(first[0]) else first[1]
+    return curvature, other[0][1] if other and other[0][0] < first[0] - options.same * abs(first[0]) else first[1]
 
 
 def _pattern(size: int) -> Array:
@@ -107,31 +149,31 @@ def _pattern(size: int) -> Array:
 
 
 def _lanczos(
-    solve: Callable[[Array], Array], mass: sparse.csr_array, free: NDArray[np.bool_], rounds: int
-) -> tuple[float, Array]:
-    """Return the extreme eigenvalue of ``(K + s M)^-1 M``, the most negative or else the largest, and its vector."""
+    solve: Callable[[Array], Array], mass: sparse.csr_array, free: NDArray[np.bool_], options: StabilityOptions
+) -> tuple[float, Array, int]:
+    """Return the extreme eigenvalue of ``(K + s M)^-1 M``, the most negative or else the largest, with its vector.
+
+    It ends once the residual of the Ritz pair is below the share `options.settled`: the error of the value is then
+    about its square (Parlett, The Symmetric Eigenvalue Problem, 1980, section 11.6).
+    """
     vector = np.where(free, _pattern(len(free)), 0.0)
+    norm = float(np.sqrt(vector @ (mass @ vector)))
     basis: list[Array] = []
     weighed: list[Array] = []
-    diagonal: list[float] = []
-    beside: list[float] = []
-    norm = float(np.sqrt(vector @ (mass @ vector)))
-    for _ in range(rounds):
+    small = np.zeros((options.rounds + 1, options.rounds + 1))
+    for count in range(1, options.rounds + 1):
         vector = vector / norm
         basis.append(vector)
         weighed.append(np.where(free, mass @ vector, 0.0))
-        nxt = solve(weighed[-1])
-        diagonal.append(float(nxt @ weighed[-1]))
+        vector = solve(weighed[-1])
+        small[count - 1, count - 1] = vector @ weighed[-1]
         known, duals = np.array(basis), np.array(weighed)
         for _ in range(2):
-            nxt = nxt - known.T @ (duals @ nxt)
-        norm = float(np.sqrt(max(nxt @ (mass @ nxt), 0.0)))
-        if norm <= 1e-12 * abs(diagonal[0]):
+            vector = vector - known.T @ (duals @ vector)
+        norm = float(np.sqrt(max(vector @ (mass @ vector), 0.0)))
+        small[count - 1, count] = small[count, count - 1] = norm
+        values, vectors = np.linalg.eigh(small[:count, :count])
+        pick = 0 if values[0] < -options.lost * np.abs(values).max() else count - 1
+        if norm * abs(vectors[-1, pick]) <= options.settled * abs(values[pick]):
             break
-        beside.append(norm)
-        vector = nxt
-    count = len(diagonal)
-    small = np.diag(diagonal) + np.diag(beside[: count - 1], 1) + np.diag(beside[: count - 1], -1)
-    values, vectors = np.linalg.eigh(small)
-    pick = 0 if values[0] < -1e-9 * abs(values).max() else count - 1
-    return float(values[pick]), np.asarray(vectors[:, pick] @ np.array(basis))
+    return float(values[pick]), np.asarray(vectors[:, pick] @ known), count

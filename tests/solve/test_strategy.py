@@ -144,7 +144,7 @@ def test_levels_are_released_and_the_steps_between_them_are_not():
 def test_weights_fall_from_first_to_last(first, last):
     fake = FakeMinimiser(stride=np.inf)
     path = Continuation(3.0, ContinuationOptions(first=first, last=last))
-    path.select(FakeMinimiser(stride=np.inf), (fake,), np.zeros(1), np.zeros(1))
+    path.select(path.begin(FakeMinimiser(stride=np.inf), *2 * [np.zeros(1)]).state, (fake,), np.zeros(1))
     weights = np.array(fake.weights)
     assert weights[0] == pytest.approx(3 * first) and weights[-1] == pytest.approx(3 * last)
     decades = -np.diff(np.log10(weights))
@@ -153,7 +153,8 @@ def test_weights_fall_from_first_to_last(first, last):
 
 def test_only_the_last_stretch_is_cut_short_where_it_cycles():
     fake = FakeMinimiser(stride=np.inf)
-    Continuation(1.0).select(FakeMinimiser(stride=np.inf), (fake,), np.zeros(1), np.zeros(1))
+    path = Continuation(1.0)
+    path.select(path.begin(FakeMinimiser(stride=np.inf), *2 * [np.zeros(1)]).state, (fake,), np.zeros(1))
     weights, limits = np.array(fake.weights), np.array(fake.limits)
     assert (limits[weights < USUAL.enough / 2] == USUAL.cycling).all() and (weights < USUAL.enough / 2).any()
     assert (limits[weights > 2 * USUAL.enough] == None).all()  # noqa: E711

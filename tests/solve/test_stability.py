@@ -1,0 +1,75 @@
+"""The lowest curvature of a minimum, against all eigenvalues of the tangent, and saddles that are left."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from netgen import occ
+from scipy.linalg import eigh
+
+from ngcell.build.simulation import Simulation
+from ngcell.results.certificate import LIMITS, common_check
+from ngcell.scene import Body, BodyScene, BodySupport, MooneyRivlin
+from ngcell.solve.minimum import Ending
+from ngcell.solve.options import StabilityOptions
+from ngcell.solve.proximal import ProximalTerm
+from ngcell.solve.stability import lowest_mode, stable_minimum
+
+USUAL = StabilityOptions()
+
+
+def simulation(down: float) -> Simulation:
+    """A slender block, compressed along its axis."""
+    face = occ.Rectangle(0.1, 2.0).Face()
+    face.edges.Min(occ.Y).name, face.edges.Max(occ.Y).name = "low", "high"
+    supports = (BodySupport("low"), BodySupport("high", translation=(0.0, -down)))
+    body = Body(face, MooneyRivlin(c1=0.5, c2=0.5, bulk_modulus=10.0), "block")
+    return Simulation(BodyScene((body,), supports, size=0.1, order=2, levels=1))
+
+
+def straight(built: Simulation):
+    """Return a minimiser and where Newton's method ends from the straight block."""
+    minimiser = built.released.minimisers[-1]
+    minimiser.problem.apply(1.0)
+    rest = np.zeros(built.space.unknowns)
+    start = minimiser.predict(rest, built.motion.imposed(rest, 1.0), built.continuation.scale)
+    return minimiser, minimiser.minimise(start, ProximalTerm(0.0, start))
+
+
+@pytest.mark.parametrize("down", [0.0005, 0.1])
+def test_the_lowest_curvature_is_the_lowest_eigenvalue(down):
+    built = simulation(down)
+    minimiser, minimum = straight(built)
+    assert minimum.is_found
+    scale = built.continuation.scale
+    mode = lowest_mode(minimiser, minimum, USUAL, scale=scale)
+    line, problem = minimiser.problem.linearise(minimum.state), minimiser.problem
+    row, column = problem.pattern
+    tangent = np.zeros((len(problem.free),) * 2)
+    np.add.at(tangent, (row, column), line.stiffness)
+    tangent = tangent + np.tril(tangent, -1).T
+    of_free = np.ix_(problem.free, problem.free)
+    exact = eigh(tangent[of_free], problem.mass.toarray()[of_free], eigvals_only=True)[0]
+    assert mode.curvature == pytest.approx(exact, abs=USUAL.negative * scale, rel=1e-3)
+    assert mode.rounds < USUAL.rounds / 2
+    assert (mode.curvature < 0) == (down == 0.1)
+
+
+def test_a_saddle_is_left_and_the_minimum_has_no_negative_curvature():
+    built = simulation(0.1)
+    minimiser, minimum = straight(built)
+    lengths = {"scale": built.continuation.scale, "length": built.longest_step}
+    stable = stable_minimum(minimiser, minimum, lambda below: below, USUAL, **lengths)
+    assert stable.state.energy < 0.4 * minimum.state.energy
+    assert stable.lowest_curvature > 0
+    stuck = StabilityOptions(most_saddles=1)
+    assert stable_minimum(minimiser, minimum, lambda below: below, stuck, **lengths).ending is Ending.SADDLE
+
+
+def test_the_certificate_tells_a_saddle_from_a_minimum():
+    built = simulation(0.1)
+    (step,) = built.accepted_steps()
+    (check,) = (check for check in step.measurement.certificate.checks if check.name == "lowest_curvature")
+    assert check.passed and check.value > 0
+    assert not common_check("lowest_curvature", -0.01).passed
+    assert LIMITS["lowest_curvature"] == -USUAL.negative
