@@ -172,14 +172,17 @@ def inspect(case: AnyCase | BodyScene, *, options: Options | None = None) -> dic
     simulation = Simulation(case, options=options)
     facing, walls = simulation.setup.facing, simulation.walls
     gap = facing.gaps(walls, walls.rest)
-    minimiser = simulation.released.minimisers[-1]
-    entries, solver = entry_count(simulation.problem, minimiser), solver_name(minimiser)
+    finer = simulation.refinement.expected()
+    minimiser = finer.released.minimisers[-1]
+    entries, solver = entry_count(finer.problem, minimiser), solver_name(minimiser)
     return {
         "bodies": simulation.bodies.body_count,
         "elements": int(simulation.bodies.mesh.ne),
         "order": simulation.space.order,
         "unknowns": simulation.space.unknowns,
         "free_unknowns": int(simulation.problem.free.sum()),
+        "accuracy": simulation.accuracy,
+        "meshes_foreseen": simulation.refinement.table(),
         "wall_edges": walls.facet_count,
         "facing_pairs": len(simulation.setup.facing.pairs),
         "three_cell_corners": count_corners(walls),

@@ -32,6 +32,9 @@ from ngcell.solve.step import Accepted, spent
 
 _log = logging.getLogger(__name__)
 
+#: Refinements that most runs come to.
+_USUAL = 2
+
 
 class Meshed(Protocol):
     """A scene on one mesh; see `ngcell.build.simulation.Simulation`."""
@@ -119,21 +122,28 @@ class Refinement(Generic[Scene]):
             for stage, level in zip(self._stages, self._levels, strict=False)
         ]
 
+    def expected(self) -> Scene:
+        """Return the scene on the finest mesh that most runs come to."""
+        for number in range(1, 1 + _USUAL):
+            if self._level(number) is None:
+                break
+        return self._levels[-1].simulation
+
     def level(self, number: int) -> Scene:
         """Return the scene on one of the meshes."""
         found = self._level(number)
         assert found is not None
         return found.simulation
 
-    def refine(self, accepted: Accepted, at_least: int = 0) -> Refined[Scene]:
+    def refine(self, accepted: Accepted) -> Refined[Scene]:
         """Return a step with an error within the accuracy, or with as small a one as there is.
 
-        `at_least` is the number of the mesh that it is to be taken to whatever the error.
+        It depends on the step alone, not on the meshes of steps before it.
         """
-        found = self._refined(accepted, at_least)
+        found = self._refined(accepted)
         return found if found.level == 0 else self._levels[found.level].stable(found)
 
-    def _refined(self, accepted: Accepted, at_least: int) -> Refined[Scene]:
+    def _refined(self, accepted: Accepted) -> Refined[Scene]:
         """Return a step on the mesh that it is reported on."""
         is_judged = self.estimates and accepted.phase != "tied"
         last = Refined(0, self._levels[0].simulation, accepted, Errors(), is_judged)
@@ -151,7 +161,7 @@ class Refinement(Generic[Scene]):
                 effort = finer.accepted.effort
                 return replace(last, accepted=replace(last.accepted, effort=effort), errors=errors)
             last = replace(finer, errors=errors)
-            if not is_judged or (errors.relative <= self._accuracy and last.level >= at_least):
+            if not is_judged or errors.relative <= self._accuracy:
                 return last
         return last
 

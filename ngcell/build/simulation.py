@@ -107,7 +107,7 @@ class Simulation(Problems):
         """
         checkpoint, started = checkpoint or self.start, perf_counter()
         for accepted in self.follow(checkpoint):
-            refined = self.refinement.refine(accepted, checkpoint.levels.get(accepted.phase, 0))
+            refined = self.refinement.refine(accepted)
             with self.clock.phase("measuring"):
                 tied = self._released_from(refined, checkpoint)
                 step = refined.simulation.observed(refined, checkpoint, perf_counter() - started, tied)

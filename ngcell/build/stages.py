@@ -9,7 +9,8 @@ hp-Finite Element Methods, 1998). A mesh that a case gives is kept: one order mo
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from copy import copy
+from dataclasses import dataclass
 from math import isinf
 
 import numpy as np
@@ -78,7 +79,8 @@ def stages_of(scene: AnyCase | BodyScene) -> tuple[Stage, ...]:
 def _stage(scene: AnyCase | BodyScene, order: int, grading: int, *, is_reported: bool = True) -> Stage:
     meshed: AnyCase | BodyScene
     if isinstance(scene, BodyScene):
-        meshed = replace(scene, order=min(order, HIGHEST_ORDER)) if order <= HIGHEST_ORDER else scene
+        meshed = copy(scene)
+        object.__setattr__(meshed, "order", order)  # the order that tells an error may be above the highest of a case
     else:
         chosen = {"order": order, "grading": grading} if isinstance(scene, Case) else {"order": order}
         meshed = scene.model_copy(update={"mesh": scene.mesh.model_copy(update=chosen)})

@@ -17,13 +17,15 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _LARGEST, _MEAN, _PARTED, _FAILED = "#b3361e", "#1f5f8b", "#4a7a3a", "#d21f1f"
+_FREE = {"free_largest_gap": "free cells"}
 
 
 def draw_curves(history: Sequence[StepRecord], path: Path, *, certified: bool, onset: float | None = None) -> Path:
     """Draw largest and mean gap, and below them the number of parted wall pairs, over the plate displacement.
 
     Tied steps are left out if there is a released one, since tied walls have no gap. Under a load that moves no
-    plate the curves run over the load factor. Bands show estimated errors.
+    plate the curves run over the load factor. Bands show estimated errors; dotted lines the gaps
+    of cells that nothing holds, whose place equilibrium does not determine.
 
     Parameters
     ----------
@@ -63,10 +65,17 @@ def draw_curves(history: Sequence[StepRecord], path: Path, *, certified: bool, o
             axes.fill_between(load, values - errors, values + errors, color=colour, alpha=0.25, linewidth=0)
         if failed.any():
             _ring(axes, load[failed], values[failed])
+    for column, colour in (("free_largest_gap", _LARGEST), ("free_mean_gap", _MEAN)):
+        values = np.array([getattr(row, column) for row in rows])
+        if values.any():
+            gaps.plot(load, values, color=colour, linewidth=1.2, linestyle=":", label=_FREE.get(column))
     _scale(gaps, parted, load)
     if onset is not None:
         _mark_onset((gaps, parted), onset)
-    gaps.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2, frameon=False, fontsize=10.5, labelcolor=INK)
+    gaps.legend(
+        loc="lower left", bbox_to_anchor=(0, 1), ncols=3, frameon=False, fontsize=10.5, handlelength=1.4,
+        columnspacing=1.2, labelcolor=INK,
+    )  # fmt: skip
     if not certified:
         mark_uncertified(figure)
     return save_png(figure, path)

@@ -15,6 +15,8 @@ Quantity = Literal[
     "largest_gap",
     "mean_gap",
     "smallest_gap",
+    "free_largest_gap",
+    "free_mean_gap",
     "parted_pairs",
     "opened_share",
     "plate_force_x",
