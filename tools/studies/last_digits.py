@@ -23,7 +23,9 @@ COLUMNS = ("case", "run", "code", "displacement", "energy", "mean_gap", "parted_
 
 def measured(case: str, run: int) -> dict[str, object]:
     """Run one level, and return its row."""
-    x, y = (float(part) for part in ngcell.read_case(case).load.displacement)
+    whole = ngcell.read_case(case)
+    assert isinstance(whole, ngcell.Case)
+    x, y = (float(part) for part in whole.load.displacement)
     moved = x * (1 + run * float(np.finfo(float).eps))
     *_, step = ngcell.simulate(ngcell.read_case(case, [f"load.displacement=[{moved!r}, {y!r}]", "load.levels=1"]))
     record = step.record
