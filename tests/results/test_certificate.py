@@ -67,6 +67,7 @@ def test_released_walls_store_less_than_the_tied_solid():
         assert value(released.measurement, "energy_above_tied") == 0
         assert released.record.energy < tied.record.energy
         assert released.record.certified
+        assert np.array_equal(released.checkpoint.reported["tied"], tied.displacement)
     assert "energy_above_tied" not in {check.name for check in steps[0].measurement.certificate.checks}
 
 

@@ -255,10 +255,10 @@ WRONG: dict[str, tuple[tuple[str, str], int, str, str]] = {
         "allowed: a finite number > 0",
     ),
     "order too high": (
-        ("[load]", "[mesh]\norder = 5\n[load]"),
+        ("[load]", "[mesh]\norder = 7\n[load]"),
         16,
-        "mesh.order = 5",
-        "allowed: a whole number from 1 to 4",
+        "mesh.order = 7",
+        "allowed: a whole number from 1 to 6",
     ),
     "unmeasured quantity": (
         expected('"energy"', '"gap"'),
