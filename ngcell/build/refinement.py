@@ -214,8 +214,8 @@ class _Level(Generic[Scene]):
             minimisers[-1].problem.apply(load)
         else:
             released.apply(load)
-            softer = released.minimisers[-1 - len(minimisers)].problem
-            minimisers[0].problem.start_from(softer, softer.at(start))
+            for softer in released.minimisers[: -len(minimisers)][-1:]:  # none where contact has one stage
+                minimisers[0].problem.start_from(softer.problem, softer.problem.at(start))
         mine.problem_of(accepted.phase).refine(before, cast(State, accepted.minimum.state))
         mine.renew_budget()
         try:

@@ -65,6 +65,7 @@ def test_loads_are_kept_in_order_and_there_are_none_by_default():
         (lambda: BodyScene([BODY, BODY]), "body name 'block' is used twice"),
         (lambda: BodyScene([BODY], size=0.0), "size is 0.0; allowed: a finite length > 0"),
         (lambda: BodyScene([BODY], order=7), "order is 7; allowed: a whole number from 1 to 6"),
+        (lambda: BodyScene([BODY], accuracy=0.0), "accuracy is 0.0; allowed: a number > 0, or infinity"),
         (lambda: BodyScene([BODY], steps=0), "steps is 0; allowed"),
         (lambda: BodyScene([BODY], levels=(0.5, 0.5)), r"levels is \(0.5, 0.5\); allowed: a whole number"),
         (lambda: BodyScene([BODY], contact="penalty"), "contact is 'penalty'; allowed: a Penalty"),

@@ -254,6 +254,12 @@ WRONG: dict[str, tuple[tuple[str, str], int, str, str]] = {
         "contact.stiffness = 0",
         "allowed: a finite number > 0",
     ),
+    "no accuracy": (
+        ('title = "two cells"', "accuracy = 0"),
+        1,
+        "accuracy = 0",
+        "allowed: a finite number > 0, or inf",
+    ),
     "order too high": (
         ("[load]", "[mesh]\norder = 7\n[load]"),
         16,
