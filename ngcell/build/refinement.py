@@ -101,9 +101,7 @@ class Refinement(Generic[Scene]):
         Relative error that is asked for.
     """
 
-    def __init__(
-        self, base: Scene, stages: Sequence[Stage], build: Callable[[Stage], Scene], accuracy: float
-    ) -> None:
+    def __init__(self, base: Scene, stages: Sequence[Stage], build: Callable[[Stage], Scene], accuracy: float) -> None:
         self._stages, self._build, self._accuracy = list(stages), build, accuracy
         self._levels = [_Level(base)]
 
@@ -112,12 +110,12 @@ class Refinement(Generic[Scene]):
         """Whether errors are estimated."""
         return len(self._stages) > 1
 
-    def table(self) -> list[dict[str, int]]:
+    def table(self) -> tuple[dict[str, int], ...]:
         """Return order, grading and unknowns of the meshes that were used, the coarsest first."""
-        return [
+        return tuple(
             {"order": stage.order, "grading": stage.grading, "unknowns": level.simulation.space.unknowns}
             for stage, level in zip(self._stages, self._levels, strict=False)
-        ]
+        )
 
     def level(self, number: int) -> Scene:
         """Return the scene on one of the meshes."""
