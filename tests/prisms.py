@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import inf
 from typing import Any
 
 from ngcell.build.reported import Step
@@ -17,7 +18,7 @@ def case(height: float | None, *, ends: str | None = None, **parts: Any) -> Case
     mesh = {"order": 2, "size": 0.5} | ({} if height is None else {"slices": 1})
     load = {"kind": "plates", "displacement": (0.2, 0.0), "levels": 1} | ({} if ends is None else {"ends": ends})
     tissue = {"rows": 1, "cols": 2, "wall": 0.1} | ({} if height is None else {"height": height})
-    table = {"tissue": tissue, "material": MATERIAL, "load": load, "mesh": mesh}
+    table = {"tissue": tissue, "material": MATERIAL, "load": load, "mesh": mesh, "accuracy": inf}
     return Case.model_validate(table | parts)
 
 

@@ -130,7 +130,7 @@ class Observer:
         path = Path(accepted.follows, tied, accepted.account, accepted.minimum.lowest_curvature)
         judged = () if accuracy is None else (errors.check(accuracy),)
         measured = self._measure(accepted, problem, checkpoint, path, judged)
-        after = checkpoint.after(accepted.phase, accepted.minimum.state.displacement, measured.work)
+        after = checkpoint.after(accepted.phase, _state(accepted).at.displacement, measured.work)
         view = View(problem, _state(accepted), self._setup.walls, self._setup.motion, measured.reaction)
         columns, fields = observed(self._observables, view)
         components = self._components(problem, measured)

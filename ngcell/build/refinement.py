@@ -104,9 +104,7 @@ class Refinement(Generic[Scene]):
         Relative error that is asked for.
     """
 
-    def __init__(
-        self, base: Scene, stages: Sequence[Stage], build: Callable[[Stage], Scene], accuracy: float
-    ) -> None:
+    def __init__(self, base: Scene, stages: Sequence[Stage], build: Callable[[Stage], Scene], accuracy: float) -> None:
         self._stages, self._build, self._accuracy = list(stages), build, accuracy
         self._levels = [_Level(base)]
 
@@ -115,12 +113,12 @@ class Refinement(Generic[Scene]):
         """Whether errors are estimated."""
         return len(self._stages) > 1
 
-    def table(self) -> list[dict[str, int]]:
+    def table(self) -> tuple[dict[str, int], ...]:
         """Return order, grading and unknowns of the meshes that were used, the coarsest first."""
-        return [
+        return tuple(
             {"order": stage.order, "grading": stage.grading, "unknowns": level.simulation.space.unknowns}
             for stage, level in zip(self._stages, self._levels, strict=False)
-        ]
+        )
 
     def expected(self) -> Scene:
         """Return the scene on the finest mesh that most runs come to."""
@@ -229,8 +227,8 @@ class _Level(Generic[Scene]):
             minimisers[-1].problem.apply(load)
         else:
             released.apply(load)
-            softer = released.minimisers[-1 - len(minimisers)].problem
-            minimisers[0].problem.start_from(softer, softer.at(start))
+            for softer in released.minimisers[: -len(minimisers)][-1:]:  # none where contact has one stage
+                minimisers[0].problem.start_from(softer.problem, softer.problem.at(start))
         mine.problem_of(accepted.phase).refine(before, cast(State, accepted.minimum.state))
         mine.renew_budget()
         try:

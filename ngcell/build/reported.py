@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,6 +59,8 @@ class Step:
         What it took.
     mesh : Mesh
         The mesh that its numbers are of.
+    meshes : tuple of dict of str to int
+        All that were used until then; see `ngcell.results.report.StepReport`.
     """
 
     record: StepRecord
@@ -70,6 +73,7 @@ class Step:
     checkpoint: Checkpoint
     effort: Effort
     mesh: Mesh
+    meshes: tuple[Mapping[str, int], ...] = ()
 
     @property
     def report(self) -> StepReport:
@@ -84,4 +88,5 @@ class Step:
             debonding(self.walls, self.cells),
             self.effort.refusals,
             self.effort.cutbacks,
+            self.meshes,
         )

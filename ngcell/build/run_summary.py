@@ -35,7 +35,7 @@ def run_summary(
         "expected": [finding.table() for step in steps for finding in step.findings],
         "failed_steps": {step.record.step: step.certificate.failures for step in steps if not step.record.certified},
         "accuracy": simulation.accuracy,
-        "meshes": simulation.refinement.table(),
+        "meshes": max((simulation.refinement.table(), *(step.meshes for step in steps)), key=len),
         "accepted_steps": len(steps),
         "bodies": simulation.bodies.body_count,
         "unknowns": simulation.space.unknowns,

@@ -114,7 +114,7 @@ class Simulation(Problems):
                 after = step.checkpoint
                 followed = {**checkpoint.displacement, accepted.phase: accepted.minimum.state.displacement}
                 checkpoint = replace(after, displacement=followed, memory=self._memory(accepted))
-                step = replace(step, checkpoint=checkpoint)
+                step = replace(step, checkpoint=checkpoint, meshes=self.refinement.table())
             yield step
             started = perf_counter()
 

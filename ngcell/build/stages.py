@@ -13,11 +13,13 @@ from copy import copy
 from dataclasses import dataclass
 from math import isinf
 
+import ngsolve
 import numpy as np
 
 from ngcell.geometry.rings import GRADE
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.term import Array
+from ngcell.results.places import element_type, map_points
 from ngcell.scene import AnyCase, BodyScene, Case
 from ngcell.scene.mesh import HIGHEST_ORDER
 
@@ -29,6 +31,11 @@ _COARSE, _OF_COARSE, _FINE = (4, 1), 0.02, 0.005
 #: one side (Williams, J. Appl. Mech. 19, 1952); angles in radians from which on an outline is re-entrant, and up to
 #: which it has a corner.
 _SMOOTH, _HELD_CORNER, _REENTRANT, _CORNER = 1.5, 0.71, np.radians(200), np.radians(150)
+#: Corners of the reference elements, in the order of their vertices.
+_CORNERS = {
+    ngsolve.ET.TRIG: np.array([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]]),
+    ngsolve.ET.QUAD: np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]),
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +87,7 @@ def _stage(scene: AnyCase | BodyScene, order: int, grading: int, *, is_reported:
     meshed: AnyCase | BodyScene
     if isinstance(scene, BodyScene):
         meshed = copy(scene)
-        object.__setattr__(meshed, "order", order)  # the order that tells an error may be above the highest of a case
+        object.__setattr__(meshed, "order", order)  # an estimate may take one order more than a scene may give
     else:
         chosen = {"order": order, "grading": grading} if isinstance(scene, Case) else {"order": order}
         meshed = scene.model_copy(update={"mesh": scene.mesh.model_copy(update=chosen)})
@@ -107,17 +114,20 @@ def _free_exponent(angle: float) -> float:
 
 
 def _angles_at_outlines(space: DisplacementSpace) -> Array:
-    """Return the angle of the body at each vertex of outlines in the plane [radian]."""
+    """Return the angle between the tangents of the body at each vertex of outlines in the plane [radian]."""
     mesh = space.bodies.mesh
-    points = np.array([vertex.point for vertex in mesh.vertices])
-    angles = np.zeros(len(points))
-    for element in mesh.Elements():
-        numbers = np.array([vertex.nr for vertex in element.vertices])
-        place = points[numbers]
-        ahead, behind = np.roll(place, -1, axis=0) - place, np.roll(place, 1, axis=0) - place
-        turn = np.arctan2(ahead[:, 0] * behind[:, 1] - ahead[:, 1] * behind[:, 0], (ahead * behind).sum(1))
-        np.add.at(angles, numbers, np.abs(turn))
-    on_outline = np.zeros(len(points), dtype=bool)
+    kind = element_type(space)
+    corners = _CORNERS[kind]
+    jacobian = np.asarray(ngsolve.specialcf.JacobianMatrix(2)(map_points(space, kind, corners)))
+    jacobian = jacobian.reshape(-1, len(corners), 2, 2)
+    ahead, behind = (
+        np.einsum("ncij,cj->nci", jacobian, np.roll(corners, by, axis=0) - corners) for by in (-1, 1)
+    )
+    turn = np.arctan2(ahead[..., 0] * behind[..., 1] - ahead[..., 1] * behind[..., 0], (ahead * behind).sum(2))
+    vertices = np.array([[vertex.nr for vertex in element.vertices] for element in mesh.Elements()])
+    angles = np.zeros(mesh.nv)
+    np.add.at(angles, vertices, np.abs(turn))
+    on_outline = np.zeros(mesh.nv, dtype=bool)
     for edge in mesh.Boundaries(".*").Elements():
         on_outline[[vertex.nr for vertex in edge.vertices]] = True
     return angles[on_outline]

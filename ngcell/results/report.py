@@ -32,6 +32,8 @@ class StepReport:
         What has come apart; empty between levels.
     refused, cutbacks : int
         Trial steps of minimisations that were refused, and load steps that were halved.
+    meshes : tuple of dict of str to int
+        Order, grading and unknowns of the meshes that were used until then, the coarsest first.
     """
 
     record: StepRecord
@@ -42,6 +44,7 @@ class StepReport:
     debonding: Mapping[str, Any]
     refused: int
     cutbacks: int
+    meshes: tuple[Mapping[str, int], ...] = ()
 
     def plain(self) -> dict[str, Any]:
         """Return it as JSON can hold it."""
@@ -65,4 +68,5 @@ class StepReport:
             debonding=table["debonding"],
             refused=table["refused"],
             cutbacks=table["cutbacks"],
+            meshes=tuple(table["meshes"]),
         )

@@ -19,7 +19,7 @@ from ngcell.scene.overrides import apply_overrides, override_paths
 from ngcell.scene.written_bodies import written_bodies
 
 #: Keys that say how a scene is solved, or nothing about it: expected numbers hold whatever they are.
-_NOT_OF_THE_SCENE = {"title", "source", "strategy", "steps", "contact", "mesh"}
+_NOT_OF_THE_SCENE = {"title", "source", "strategy", "steps", "contact", "mesh", "accuracy"}
 
 
 def read_case(path_or_name: str | Path, overrides: Sequence[str] = ()) -> AnyCase:

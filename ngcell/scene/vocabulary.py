@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
+from ngcell.scene.accuracy import OR_INFINITE
 from ngcell.scene.case import Case
 from ngcell.scene.case_of_bodies import BodyCase
 from ngcell.scene.choice import DEFAULT_KIND
@@ -87,7 +88,8 @@ def allowed(node: Node) -> str:
     if node.get("type") == "array":
         return _array(node)
     nouns = {"integer": "a whole number", "number": "a finite number", "string": "text in quotes"}
-    return nouns.get(node.get("type", ""), "a table") + _limits(node)
+    rest = ", or inf" if node.get("format") == OR_INFINITE else ""
+    return nouns.get(node.get("type", ""), "a table") + _limits(node) + rest
 
 
 def _array(node: Node) -> str:

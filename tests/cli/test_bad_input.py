@@ -16,7 +16,7 @@ from ngcell import recording
 from ngcell.cli import ngcell
 
 SMALL = ["shear-empty-3x3"]
-for _setting in ("tissue.rows=1", "tissue.cols=2", "mesh.order=1", "load.levels=2"):
+for _setting in ("tissue.rows=1", "tissue.cols=2", "mesh.order=1", "load.levels=2", "accuracy=inf"):
     SMALL += ["--set", _setting]
 
 

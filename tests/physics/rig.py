@@ -134,10 +134,10 @@ class Rig:
         names = [body.name for body in scene.bodies]
         self.scene = scene
         shapes = [body.shape for body in scene.bodies]
-        self.bodies = mesh_shapes(shapes, names, order=scene.order, size=scene.size)
+        self.bodies = mesh_shapes(shapes, names, order=scene.plain_order, size=scene.size)
         if walls is not None:
             self.bodies = replace(self.bodies, wall_names=walls)
-        self.space = DisplacementSpace(self.bodies, scene.order)
+        self.space = DisplacementSpace(self.bodies, scene.plain_order)
         self.laws = [
             MooneyRivlin(c1=body.material.c1, c2=body.material.c2, bulk_modulus=body.material.bulk_modulus)
             for body in scene.bodies

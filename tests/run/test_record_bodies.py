@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from math import inf
 from pathlib import Path
 
 import pytest
@@ -27,6 +28,7 @@ def scene(width: float = 0.6) -> ngcell.BodyScene:
         size=0.25,
         levels=2,
         title="A block on a block",
+        accuracy=inf,
     )
 
 

@@ -24,15 +24,19 @@ from ngcell.cli import ngcell as command
 from ngcell.errors import OutputError
 from ngcell.run import resume
 
-TISSUE = ["tissue.rows=2", "tissue.cols=2", "mesh.order=2", "load.displacement=[0.3, 0.0]", "load.levels=[0.4, 1.0]"]
+TISSUE = ["tissue.rows=2", "tissue.cols=2", "mesh.order=2", "load.displacement=[0.3, 0.0]", "accuracy=inf"]
+TISSUE += ["load.levels=[0.4, 1.0]"]
 PRISMS = ["tissue.rows=1", "tissue.cols=2", "tissue.height=0.4", "mesh.order=2", "load.displacement=[0.2, 0.0]"]
 BONDED = [*TISSUE, "cohesion.strength=0.01", "cohesion.energy=0.0001", 'strategy.kind="load-stepping"']
+REFINED = ["tissue.rows=2", "tissue.cols=2", "load.displacement=[0.3, 0.0]", "load.levels=[0.4, 1.0]"]
 #: Cases, their settings and their number of accepted steps.
 RUNS = {
     "sddp": ("shear-empty-3x3", [*TISSUE, "strategy.steps=4"], 6),
     "single-step": ("shear-empty-3x3", [*TISSUE, 'strategy.kind="single-step"', 'contact.kind="mortar"'], 2),
-    "prisms": ("shear-empty-3x3", [*PRISMS, "load.levels=1"], 2),
-    "incremental": ("parting-rings", ["steps=4"], 4),
+    "prisms": ("shear-empty-3x3", [*PRISMS, "load.levels=1", "accuracy=inf"], 2),
+    "refined": ("shear-empty-3x3", REFINED, 4),
+    "refined mortar": ("shear-empty-3x3", [*REFINED, 'strategy.kind="single-step"', 'contact.kind="mortar"'], 2),
+    "incremental": ("parting-rings", ["steps=4", "accuracy=inf"], 4),
 }
 
 

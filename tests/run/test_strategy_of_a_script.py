@@ -2,7 +2,7 @@
 
 import ngcell
 
-PRESS_FIT = ngcell.read_case("press-fit")
+PRESS_FIT = ngcell.read_case("press-fit", ["accuracy=inf"])
 
 
 def test_the_steps_of_a_strategy_that_a_script_hands_over_are_taken():

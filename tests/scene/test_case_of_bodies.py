@@ -150,7 +150,7 @@ WRONG: dict[str, tuple[tuple[str, str], int, str, str]] = {
     "key of another load": (("value = 0.1", "value = 0.1\nvector = [1, 0]"), 36, "loads[0].vector", "is unknown"),
     "unknown contact": (('"mortar"', '"motar"'), 38, 'contact.kind = "motar"', "did you mean mortar?"),
     "layers of a tissue": (("order = 2", "order = 2\nlayers = 2"), 42, "mesh.layers = 2", "allowed: order, size"),
-    "order too high": (("order = 2", "order = 7"), 41, "mesh.order = 7", "a whole number from 1 to 4"),
+    "order too high": (("order = 2", "order = 7"), 41, "mesh.order = 7", "a whole number from 1 to 6"),
     "refined to dust": (("size = 0.05", "size = 1e-9"), 42, "mesh.refine[0].size = 1e-09", "within / 1000"),
     "level twice": (("[0.5, 1.0]", "[1.0, 1.0]"), 2, "levels = [1.0, 1.0]", "each other than the one before"),
     "no steps": (("levels =", "steps = 0\nlevels ="), 2, "steps = 0", "a whole number >= 1"),

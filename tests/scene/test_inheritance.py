@@ -75,6 +75,7 @@ def test_expected_numbers_belong_to_one_scene(family):
 def test_an_override_that_makes_another_scene_drops_the_expected_numbers():
     assert read_case("shear-empty-3x3").expected
     assert read_case("shear-empty-3x3", ["mesh.order=2"]).expected
+    assert read_case("shear-empty-3x3", ["accuracy=inf"]).expected
     assert read_case("shear-empty-3x3", ["tissue.wall=0.2"]).expected == ()
     mine = '[{level=1.0,quantity="energy",value=1.0,tolerance=0.1,origin="guess"}]'
     assert len(read_case("shear-empty-3x3", ["tissue.wall=0.2", f"expected={mine}"]).expected) == 1

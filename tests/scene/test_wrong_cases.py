@@ -254,11 +254,17 @@ WRONG: dict[str, tuple[tuple[str, str], int, str, str]] = {
         "contact.stiffness = 0",
         "allowed: a finite number > 0",
     ),
+    "no accuracy": (
+        ('title = "two cells"', "accuracy = 0"),
+        1,
+        "accuracy = 0",
+        "allowed: a finite number > 0, or inf",
+    ),
     "order too high": (
-        ("[load]", "[mesh]\norder = 5\n[load]"),
+        ("[load]", "[mesh]\norder = 7\n[load]"),
         16,
-        "mesh.order = 5",
-        "allowed: a whole number from 1 to 4",
+        "mesh.order = 7",
+        "allowed: a whole number from 1 to 6",
     ),
     "unmeasured quantity": (
         expected('"energy"', '"gap"'),

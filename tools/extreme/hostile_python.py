@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 import sys
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -43,11 +44,9 @@ def scene_of(table: dict[str, Any]) -> ngcell.BodyScene:
         ngcell.Body(_face(body, table["held"]), ngcell.MooneyRivlin(**_constants(body)), body["name"])
         for body in table["bodies"]
     ]
-    supports = [
-        ngcell.BodySupport(f"{held['body']}-held", translation=tuple(held["move"])) for held in table["held"]
-    ]
+    supports = [ngcell.BodySupport(f"{held['body']}-held", translation=tuple(held["move"])) for held in table["held"]]
     return ngcell.BodyScene(
-        tuple(bodies), tuple(supports), size=table["size"], order=table["order"], levels=table["levels"]
+        tuple(bodies), tuple(supports), size=table["size"], order=table["order"], levels=table["levels"], accuracy=inf
     )
 
 

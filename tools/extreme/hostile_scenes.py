@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import dataclass, field
-from math import sqrt
+from math import inf, sqrt
 from typing import Any
 
 import numpy as np
@@ -109,6 +109,7 @@ def _case(draw: Draw, move: tuple[float, float], levels: Any, **more: Any) -> Ca
         "strategy": {"kind": _one(draw, "sddp", "sddp", "single-step")},
         "contact": {"kind": "mortar" if draw.random() < 0.15 else "penalty"},
         "mesh": {"order": _one(draw, 2, 3, 3)},
+        "accuracy": inf,
     }
     return case | more
 
@@ -172,6 +173,7 @@ def _punch(draw: Draw) -> Case:
                      {"boundary": "punch_top", "translation": [0.0, -round(down + gap, 3)]}],
         "contact": {"kind": "penalty"},
         "mesh": {"order": _one(draw, 1, 2, 3)},
+        "accuracy": inf,
     }  # fmt: skip
 
 
@@ -186,6 +188,7 @@ def _stack(draw: Draw) -> Case:
                      {"boundary": "top_top", "translation": [_number(draw, -0.2, 0.2), _number(draw, -0.3, -0.02)]}],
         "contact": {"kind": _one(draw, "penalty", "mortar")},
         "mesh": {"order": _one(draw, 1, 2, 3)},
+        "accuracy": inf,
     }  # fmt: skip
 
 
@@ -204,6 +207,7 @@ def _rings(draw: Draw) -> Case:
         "loads": [{"kind": "pressure", "boundary": "ring_inner", "value": pressure}] if pressure else [],
         "contact": {"kind": _one(draw, "penalty", "mortar")},
         "mesh": {"order": _one(draw, 2, 3)},
+        "accuracy": inf,
     }
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import inf
 from typing import Any
 
 from tools.references import radial
@@ -35,6 +36,7 @@ def tissue(
         "material": material(),
         "load": {"kind": "plates", "displacement": list(move), "levels": levels},
         "contact": dict(contact),
+        "accuracy": inf,
     }
     return case | more
 
@@ -68,6 +70,7 @@ def rings(
         "loads": [] if pressure is None else [{"kind": "pressure", "boundary": "ring_inner", "value": pressure}],
         "contact": dict(contact),
         "mesh": {"order": order},
+        "accuracy": inf,
         "expected": [entry | {"tolerance": WRONG, "origin": "tools.references radial"} for entry in expected],
     } | more
 
@@ -113,5 +116,6 @@ def blocks(
         ],
         "contact": dict(contact),
         "mesh": {"order": 2},
+        "accuracy": inf,
     }  # fmt: skip
     return case | more

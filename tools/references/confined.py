@@ -9,6 +9,8 @@ gaps.
 
 from __future__ import annotations
 
+from math import inf
+
 import click
 import numpy as np
 
@@ -37,6 +39,7 @@ def command(rows: int, cols: int, wall: float, pressure: float, ratio: float, co
             "load": {"kind": "frame", "shear": 0.0, "levels": 1},
             "strategy": {"kind": "single-step"},
             "contact": {"kind": contact},
+            "accuracy": inf,
         }
     )
     solution = solved(case)

@@ -101,7 +101,7 @@ def theory(radius: float, load: float) -> tuple[float, float]:
 def profile(problem: str, share: float, method: str) -> Profile:
     """Solve a case at a share of its load, with elements that shrink with the half-width."""
     name, radius, (wall, _) = PROBLEMS[problem]
-    case = ngcell.read_case(name, [f"levels=[{share}]", f"contact.kind={method}"])
+    case = ngcell.read_case(name, [f"levels=[{share}]", f"contact.kind={method}", "accuracy=inf"])
     assert isinstance(case, BodyCase)
     zones = tuple(
         zone.model_copy(update={"within": zone.within * sqrt(share), "size": zone.size * sqrt(share)})

@@ -32,7 +32,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from math import log, pi, sqrt
+from math import inf, log, pi, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -178,7 +178,9 @@ def scene(exact: Exact, method: str, order: int, size: float) -> BodyScene:
         BodySupport("above_top", translation=TOP_TRANSLATION),
     ]
     contact = Mortar() if method == "mortar" else Penalty()
-    return BodyScene(bodies, supports, size=size, order=order, levels=1, contact=contact, loads=exact.loads)
+    return BodyScene(
+        bodies, supports, size=size, order=order, levels=1, contact=contact, loads=exact.loads, accuracy=inf
+    )
 
 
 def _block(name: str, bottom: float, size: float) -> Any:

@@ -12,6 +12,7 @@ a is. Rows go to `tools/results/peel.csv`.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -89,6 +90,7 @@ def strip(*, toughness: float, zone: float, opening: float, size: float, order: 
         levels=1,
         steps=steps,
         cohesion=Cohesion(strength=float(strength), energy=toughness),
+        accuracy=inf,
     )
 
 

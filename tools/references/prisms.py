@@ -8,6 +8,7 @@ the prisms for each height differ. A few minutes for the 3x3 tissue.
 
 from __future__ import annotations
 
+from math import inf
 from typing import Any
 
 import click
@@ -34,6 +35,7 @@ def sheared(rows: int, cols: int, lumen: Any, height: float | None) -> Any:
         "lumen": lumen,
         "load": {"kind": "plates", "displacement": (0.4, 0.0), "levels": 1, "ends": "held" if prismatic else None},
         "mesh": {"order": 2, "size": 0.5, "slices": 1 if prismatic else None},
+        "accuracy": inf,
     }
     return ngcell.simulate(ngcell.Case.model_validate(table))[-1]
 

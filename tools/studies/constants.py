@@ -69,7 +69,9 @@ CHANGES: dict[str, tuple[float, ...]] = {
 def run(scene: str, options: Options | None = None) -> dict[str, float]:
     """Return energy, plate force and iterations of a scene; nothing if it found no equilibrium."""
     try:
-        *_, step = ngcell.simulate(ngcell.read_case("shear-empty-3x3", SCENES[scene]), options=options)
+        *_, step = ngcell.simulate(
+            ngcell.read_case("shear-empty-3x3", [*SCENES[scene], "accuracy=inf"]), options=options
+        )
     except NgcellError:
         return {}
     record = step.record

@@ -34,7 +34,7 @@ _ASIDE = ("imports", "pictures")
 def summary_of(case: str, strategy: str) -> dict[str, Any]:
     """Solve a case in one level and return its summary."""
     with tempfile.TemporaryDirectory() as folder:
-        words = solve_words(case, Path(folder), ("load.levels=1", f'strategy.kind="{strategy}"'))
+        words = solve_words(case, Path(folder), ("load.levels=1", f'strategy.kind="{strategy}"', "accuracy=inf"))
         run = ended(*words, "--quiet")
         if run.exit_code:
             raise click.ClickException(f"{case}, {strategy}: {run.last_words('no words')}")

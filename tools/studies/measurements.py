@@ -17,7 +17,7 @@ from tools.studies.timed import Stopwatch, Timed
 def tissue(rows: int, cols: int, *, order: int = 2, shear: float = 0.3) -> Case:
     """Return a tissue's case: its plates are moved along x by `shear` [length]."""
     sets = [f"tissue.rows={rows}", f"tissue.cols={cols}", f"mesh.order={order}", "load.levels=1"]
-    case = ngcell.read_case("shear-empty", [*sets, f"load.displacement=[{shear}, 0.0]"])
+    case = ngcell.read_case("shear-empty", [*sets, f"load.displacement=[{shear}, 0.0]", "accuracy=inf"])
     assert isinstance(case, Case)
     return case
 

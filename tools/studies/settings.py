@@ -68,7 +68,8 @@ def run(setting: Setting, timeout: float) -> Ended:
     setting.folder.mkdir(parents=True, exist_ok=True)
     for old in setting.folder.iterdir():
         old.unlink()
-    found = ended(*solve_words(setting.case, setting.folder, setting.overrides), "--verbose", timeout=timeout)
+    words = solve_words(setting.case, setting.folder, (*setting.overrides, "accuracy=inf"))
+    found = ended(*words, "--verbose", timeout=timeout)
     setting.log.write_text(found.out + found.err)
     return found
 
@@ -86,7 +87,7 @@ def row(setting: Setting, process: Ended, code: str) -> dict[str, Any]:
         "scene": f"{tissue.rows}x{tissue.cols} to {getattr(case.load, 'displacement', [0])[0]:g}",
         "strategy": case.strategy.kind,
         "wall": tissue.wall,
-        "order": case.mesh.order,
+        "order": case.mesh.plain_order,
         "edges": tissue.density(case.mesh)[0],
         "radius": tissue.corner_radius,
         "levels": len(case.level_factors),

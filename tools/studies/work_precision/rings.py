@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -86,7 +87,7 @@ def scene(problem: str, contact: Any, order: int, size: float) -> BodyScene:
         supports.append(BodySupport(f"{body}-x", components=(False, True)))
         supports.append(BodySupport(f"{body}-y", components=(True, False)))
     loads = [] if pressure is None else [Pressure(boundary="inner-bore", value=pressure)]
-    return BodyScene(bodies, supports, size=size, order=order, levels=1, contact=contact, loads=loads)
+    return BodyScene(bodies, supports, size=size, order=order, levels=1, contact=contact, loads=loads, accuracy=inf)
 
 
 def quarter(bore: float, rim: float, name: str, size: float) -> Any:

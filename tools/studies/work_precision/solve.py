@@ -40,7 +40,7 @@ def _scene(setting: Setting) -> Any:
     if setting.kind == "rings":
         return rings.scene(setting.problem, _contact(setting.method), setting.order, setting.size)
     method, _, stiffness = setting.method.partition(" x")
-    sets = [f"contact.kind={method}", f"mesh.order={setting.order}"]
+    sets = [f"contact.kind={method}", f"mesh.order={setting.order}", "accuracy=inf"]
     sets += [f"contact.stiffness={stiffness}"] if stiffness else []
     if setting.kind == "tissue":
         sets += [f"mesh.size={setting.size}", f"strategy.kind={setting.strategy}", f"load.levels={setting.steps}"]

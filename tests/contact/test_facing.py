@@ -1,0 +1,24 @@
+"""Points in the middle of facing walls: the same ones, whatever round-off says."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ngcell.contact.pairing.facing import find_facing
+from tests.tissues import small_tissue
+
+#: Edges to a side and orders whose quadrature points lie on the border of the middle half of a wall.
+ON_THE_BORDER = [(2, 1), (2, 3), (4, 1), (4, 2), (4, 3)]
+
+
+@pytest.mark.parametrize(("edges", "order"), ON_THE_BORDER)
+def test_points_on_the_border_of_the_middle_half_do_not_depend_on_round_off(edges: int, order: int):
+    walls, random = small_tissue(2, 2, order=order, edges=edges).walls, np.random.default_rng(1)
+    found = find_facing(walls, tolerance=1e-3)
+    assert 0 < found.is_middle.sum() < len(found.is_middle)
+    for _ in range(10):
+        shifted = replace(walls, rest=walls.rest + 1e-15 * random.uniform(-1, 1, walls.rest.shape))
+        assert np.array_equal(find_facing(shifted, tolerance=1e-3).is_middle, found.is_middle)

@@ -1,0 +1,107 @@
+"""Runs that are asked for an accuracy: what is reported is as good as is told, or refused."""
+
+from __future__ import annotations
+
+from functools import cache
+from math import isfinite, isnan
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import ngcell
+from ngcell.build.reported import Step
+from ngcell.build.simulation import Simulation
+from ngcell.cli.summary import summary_lines
+from ngcell.results.error import ERROR_NAMES
+
+SMALL = ("tissue.rows=2", "tissue.cols=2", "load.displacement=[0.3, 0.0]", "load.levels=1")
+PAIR = ("tissue.rows=1", "tissue.cols=2", "load.displacement=[0.2, 0.0]", "load.levels=1")
+
+
+@cache
+def steps(*sets: str) -> list[Step]:
+    return ngcell.simulate(ngcell.read_case("shear-empty-3x3", [*SMALL, *sets]))
+
+
+def failures(step: Step) -> tuple[str, ...]:
+    return step.measurement.certificate.failures
+
+
+def test_a_shipped_tissue_is_certified_and_no_further_from_a_finer_one_than_it_says():
+    *_, found = steps()
+    *_, finer = steps("accuracy=0.003")
+    assert found.record.certified
+    assert all(isfinite(getattr(found.record, f"{name}_error")) for name in ERROR_NAMES)
+    assert found.record.energy_error < 0.01 * found.record.energy
+    assert found.record.plate_force_error < 0.01 * np.hypot(found.record.plate_force_x, found.record.plate_force_y)
+    assert found.record.mean_gap_error < 0.01 * found.record.mean_gap
+    (check,) = (check for check in found.measurement.certificate.checks if check.name == "estimated_error")
+    assert 0 < check.value <= check.limit == 0.01
+    assert finer.mesh.unknowns > found.mesh.unknowns
+    assert 0 < abs(found.record.energy - finer.record.energy) <= found.record.energy_error
+
+
+def test_a_low_accuracy_takes_a_coarser_mesh():
+    rough, usual = steps("accuracy=0.1")[-1], steps()[-1]
+    assert rough.record.certified
+    assert rough.mesh.unknowns < usual.mesh.unknowns
+    assert rough.record.energy_error < 0.1 * rough.record.energy
+
+
+def test_a_mesh_that_is_too_coarse_is_refused_for_its_estimated_error_alone():
+    *_, step = steps("mesh.order=1")
+    assert (step.mesh.order, step.mesh.grading) == (1, 0)
+    assert failures(step) == ("estimated_error",)
+    assert not step.record.certified
+    *_, plain = steps("mesh.order=1", "accuracy=inf")
+    assert plain.record.certified and isnan(plain.record.energy_error)
+    assert step.record.energy == pytest.approx(plain.record.energy, rel=1e-5)  # its numbers are those of its mesh
+
+
+def test_tied_steps_are_not_held_to_the_accuracy():
+    tied, released = steps()
+    assert (tied.record.phase, released.record.phase) == ("tied", "released")
+    assert "estimated_error" not in {check.name for check in tied.measurement.certificate.checks}
+    assert isfinite(tied.record.energy_error)
+
+
+def test_fluids_keep_the_areas_of_their_lumens_on_the_finer_mesh():
+    fluid = "lumen.kind=fluid", "lumen.fill=1.0", "accuracy=0.05"
+    simulation = Simulation(ngcell.read_case("shear-empty-3x3", [*PAIR, *fluid]))
+    tied, step = simulation.accepted_steps()
+    assert (tied.record.phase, step.record.phase) == ("tied", "released")
+    assert step.mesh.unknowns > simulation.space.unknowns
+    assert failures(step) == failures(tied) == ()
+    (area,) = (check for check in step.measurement.certificate.checks if check.name == "lumen_area")
+    assert area.value < 1e-10
+    assert all(row.pressure != 0 for row in step.cells)
+
+
+def test_the_mortar_is_refined_as_well_and_stores_what_the_penalty_does_up_to_the_errors_of_both():
+    mortar, penalty = steps("contact.kind=mortar")[-1], steps()[-1]
+    assert failures(mortar) == ()
+    assert mortar.mesh.order > 2
+    told = mortar.record.energy_error + penalty.record.energy_error
+    assert mortar.record.energy == pytest.approx(penalty.record.energy, abs=told)
+
+
+def test_errors_of_bonds_are_not_estimated_and_a_run_says_so(tmp_path: Path):
+    bonds = "cohesion.strength=0.01", "cohesion.energy=0.0001", "strategy.kind=load-stepping"
+    recording = ngcell.record(ngcell.read_case("shear-empty-3x3", [*PAIR, *bonds]), tmp_path / "out", pictures=False)
+    *_, last = recording
+    assert all(isnan(getattr(last, f"{name}_error")) for name in ERROR_NAMES)
+    assert last.certified and "estimated_error" not in recording.summary["certificate"]
+    (mesh,) = recording.summary["meshes"]
+    assert (mesh["order"], mesh["grading"]) == (3, 0)
+    assert "last step    errors were not estimated" in summary_lines(recording, tmp_path)
+
+
+def test_bodies_are_refined_as_far_as_their_error_asks_for():
+    """A ring in a ring that is too narrow, whose pressure is known."""
+    scene = ngcell.read_case("press-fit")
+    free = scene.model_copy(update={"mesh": scene.mesh.model_copy(update={"order": None})})
+    *_, step = ngcell.simulate(free)
+    assert failures(step) == ()
+    assert step.mesh.order > 2
+    assert [finding.quantity for finding in step.findings if not finding.passed] == []

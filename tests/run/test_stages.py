@@ -1,0 +1,72 @@
+"""The meshes that a scene is taken to, and the singularity that says how their errors fall."""
+
+from __future__ import annotations
+
+from math import inf
+
+import pytest
+from netgen import occ
+
+from ngcell import Body, BodyScene, MooneyRivlin, read_case
+from ngcell.build.stages import singular_exponent, stages_of
+from ngcell.geometry.shapes import mesh_shapes
+from ngcell.mechanics.space import DisplacementSpace
+from tests.prisms import case
+from tests.tissues import small_tissue
+
+RUBBER = MooneyRivlin(c1=1.0, c2=1.0, bulk_modulus=10.0)
+
+
+def steps(scene: object) -> list[tuple[int, int]]:
+    return [(stage.order, stage.grading) for stage in stages_of(scene)]  # type: ignore[arg-type]
+
+
+def block_scene(**more: object) -> BodyScene:
+    return BodyScene([Body(occ.Rectangle(1, 1).Face(), RUBBER, "block")], **more)  # type: ignore[arg-type]
+
+
+def space_of(face: occ.Face, order: int = 2) -> DisplacementSpace:
+    return DisplacementSpace(mesh_shapes([face], ["body"], order=order, size=0.3), order)
+
+
+def test_a_free_reentrant_corner_has_the_exponent_of_williams():
+    """The corners of a hexagonal lumen turn through 240 degrees in the wall, that of an L through 270."""
+    assert singular_exponent(small_tissue(1, 1, order=2).space) == pytest.approx(0.6157, abs=1e-4)
+    bracket = occ.Rectangle(1, 1).Face() - occ.MoveTo(0.5, 0.5).Rectangle(0.5, 0.5).Face()
+    assert singular_exponent(space_of(bracket)) == pytest.approx(0.5445, abs=1e-4)
+
+
+def test_without_corners_the_end_of_a_contact_rules():
+    ring = occ.Circle((0.0, 0.0), 1.0).Face() - occ.Circle((0.0, 0.0), 0.5).Face()
+    assert singular_exponent(space_of(ring)) == 1.5  # curved edges of a coarse mesh have no corners between them
+
+
+def test_a_corner_that_sticks_out_may_be_held_on_one_side():
+    assert 0.7 < singular_exponent(space_of(occ.Rectangle(1, 1).Face())) < 0.72
+
+
+def test_a_lower_accuracy_may_end_on_a_mesh_that_a_higher_one_leaves_out():
+    meshes = steps(read_case("shear-empty-3x3", ["accuracy=0.1"]))
+    assert meshes[0] == (2, 1) and (4, 1) in meshes
+    assert (4, 1) not in steps(read_case("shear-empty-3x3", ["accuracy=0.01"]))
+    assert [one < two for one, two in zip(meshes, meshes[1:], strict=False)] == [True] * (len(meshes) - 1)
+
+
+def test_where_no_error_is_to_be_estimated_there_is_the_mesh_of_the_case_alone():
+    assert steps(read_case("shear-empty-3x3", ["accuracy=inf"])) == [(3, 0)]
+    assert steps(read_case("stacked-blocks", ["accuracy=inf"]))[0][1] == 0
+    assert steps(block_scene(accuracy=inf)) == [(2, 0)]
+
+
+def test_an_order_that_is_given_is_kept_and_one_more_serves_the_estimate():
+    for scene in (case(None, accuracy=0.01), block_scene(order=2)):
+        kept, finer = stages_of(scene)
+        assert (kept.order, finer.order) == (2, 3)
+        assert kept.is_reported and not finer.is_reported
+
+
+def test_the_highest_order_is_estimated_by_one_that_nobody_may_give():
+    given = read_case("shear-empty-3x3", ["mesh.order=6"]), read_case("stacked-blocks", ["mesh.order=6"])
+    for scene in (*given, block_scene(order=6)):
+        kept, finer = (stage.scene for stage in stages_of(scene))
+        assert [getattr(one, "mesh", one).order for one in (kept, finer)] == [6, 7]
