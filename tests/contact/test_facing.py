@@ -20,5 +20,5 @@ def test_points_on_the_border_of_the_middle_half_do_not_depend_on_round_off(edge
     found = find_facing(walls, tolerance=1e-3)
     assert 0 < found.is_middle.sum() < len(found.is_middle)
     for _ in range(10):
-        shifted = replace(walls, rest=walls.rest + 1e-15 * random.uniform(-1, 1, walls.rest.shape))
-        assert np.array_equal(find_facing(shifted, tolerance=1e-3).is_middle, found.is_middle)
+        moved = replace(walls, rest=walls.rest + 1e-15 * random.uniform(-1, 1, walls.rest.shape))
+        assert np.array_equal(find_facing(moved, tolerance=1e-3).is_middle, found.is_middle)
