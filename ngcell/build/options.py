@@ -7,8 +7,9 @@ from dataclasses import dataclass, field, replace
 from ngcell.contact.options import ContactOptions
 from ngcell.solve.options import SolverOptions
 
-#: Stiffness of penalty terms, in layers of elements behind the wall, at an accuracy.
-_STIFF, _ASKED = 100.0, 0.01
+#: Stiffness of penalty terms, in layers of elements behind the wall, at an accuracy; and the largest, at which they
+#: cost less energy than any mesh.
+_STIFF, _ASKED, _STIFFEST = 100.0, 0.01, 1e4
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,6 @@ class Options:
         What a penalty costs in energy falls with the root of its stiffness, where corners bear; at 100 times the layer
         behind the wall it is a quarter of a percent in a sheared tissue.
         """
-        multiple = _STIFF * (_ASKED / accuracy) ** 2
+        multiple = min(_STIFF * (_ASKED / accuracy) ** 2, _STIFFEST)
         stiff = replace(self.contact, penalty_multiple=max(self.contact.penalty_multiple, multiple))
         return replace(self, contact=stiff)

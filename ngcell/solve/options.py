@@ -232,5 +232,5 @@ class SolverOptions:
     stability: StabilityOptions = field(default_factory=StabilityOptions)
     direct_bulk: float = 1e4
     bulk_stage: float = 30.0
-    refined: float = 1e-13
+    refined: float = 1e-16
     most_iterations: int = 5000
