@@ -75,7 +75,8 @@ def check_tissue_fits(case: Case) -> None:
     density = getattr(case.tissue, "density", None)
     if density is None:
         return  # a tissue of a script, which says nothing of its mesh
-    along, through = density(case.mesh)
+    (along, through), grading = density(case.mesh), case.mesh.grading or 0
+    along, through = along + 2 * grading, through + max(grading - 1, 0)
     dimension, slices = 2, 1.0
     if case.tissue.height is not None:
         dimension, slices = 3, case.mesh.slices or max(1.0, case.tissue.height / case.tissue.side * along)

@@ -8,6 +8,7 @@ continuation's scale (`ngcell.solve.continuation`).
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import inf
 
 
 @dataclass(frozen=True)
@@ -98,7 +99,8 @@ class ContinuationOptions:
         Weight at the start, where the continuation may end if need be, and at its end.
     of_accuracy, least, felt : float
         Weight at the end over the accuracy that is asked for, where it is not smaller by itself; weight down to which
-        it goes on where it is felt, and the share of the largest force on a body that is felt.
+        it goes on where it is felt, by default not beyond its end; and the share of the largest force on a body that is
+        felt.
     first_overlapping : float
         Weight at the start where walls overlap at rest: a larger one would hold them deep in each other, where the
         nearest wall changes from point to point and the energy is not smooth.
@@ -131,7 +133,7 @@ class ContinuationOptions:
     enough: float = 1e-7
     last: float = 1e-9
     of_accuracy: float = 1e-4
-    least: float = 1e-9
+    least: float = inf
     felt: float = 1e-4
     first_overlapping: float = 1.0
     narrowest: float = 0.5

@@ -1,4 +1,4 @@
-"""Error asked for, error promised, error found: tissues at several accuracies against an overkill mesh.
+"""Errors promised and found: tissues at several accuracies against an overkill mesh.
 
     python -m tools.studies accuracy [--scene NAME] [--quick]
 

@@ -1,4 +1,4 @@
-"""Counts that do not depend on the last digit: a tissue with plate displacements that differ by round-off.
+"""Counts of a tissue whose plate displacements differ by round-off only.
 
     python -m tools.studies last-digits [--case shear-empty-3x3] [--runs 20]
 
