@@ -8,8 +8,8 @@ from ngcell.contact.options import ContactOptions
 from ngcell.solve.options import SolverOptions
 
 #: Stiffness of penalty terms, in layers of elements behind the wall, at an accuracy; and the largest, at which they
-#: cost less energy than any mesh.
-_STIFF, _ASKED, _STIFFEST = 100.0, 0.01, 1e4
+#: still find a way down at corners.
+_STIFF, _ASKED, _STIFFEST = 100.0, 0.01, 1e3
 
 
 @dataclass(frozen=True)

@@ -221,31 +221,43 @@ class _Level(Generic[Scene]):
         proximal = accepted.minimum.proximal
         start = mine.motion.imposed(taken(accepted.minimum.state.displacement), load)
         held = ProximalTerm(proximal.weight, taken(proximal.centre) if proximal.weight else start)
-        minimisers = self._tied[-1:] if is_tied else self._minimisers
-        effort, released = spent(minimisers), self._released
-        if is_tied:
-            minimisers[-1].problem.apply(load)
+        for minimisers in [self._tied[-1:]] if is_tied else self._attempts():
+            effort = spent(minimisers)
+            self._prepare(minimisers, before, accepted, start)
+            try:
+                length, options = self._released.longest_step, mine.options.solver
+                minimum = settled(minimisers, start, held, length=length, options=options)
+            except OutOfIterations:
+                return None
+            accepted = replace(accepted, effort=accepted.effort + (spent(minimisers) - effort))
+            if minimum.is_found:
+                accepted = replace(accepted, minimum=minimum)
+                return replace(coarse, level=coarse.level + 1, simulation=mine, accepted=accepted)
+            _log.info("mesh %d: %s", coarse.level + 1, minimum.ending.value)
+        return None
+
+    def _prepare(self, minimisers: Sequence[Minimiser], before: Problem, accepted: Accepted, start: Array) -> None:
+        """Let loads act, and terms take over what they may from stages before and from the coarser mesh."""
+        mine, released = self.simulation, self._released
+        mine.renew_budget()
+        if accepted.phase == "tied":
+            minimisers[-1].problem.apply(accepted.load_factor)
         else:
-            released.apply(load)
+            released.apply(accepted.load_factor)
             for softer in released.minimisers[: -len(minimisers)][-1:]:  # none where contact has one stage
                 minimisers[0].problem.start_from(softer.problem, softer.problem.at(start))
         mine.problem_of(accepted.phase).refine(before, cast(State, accepted.minimum.state))
-        mine.renew_budget()
-        try:
-            options = mine.options.solver
-            minimum = settled(minimisers, start, held, length=released.longest_step, options=options)
-        except OutOfIterations:
-            return None
-        if not minimum.is_found:
-            _log.info("mesh %d: %s", coarse.level + 1, minimum.ending.value)
-            return None
-        effort = accepted.effort + (spent(minimisers) - effort)
-        return replace(
-            coarse,
-            level=coarse.level + 1,
-            simulation=mine,
-            accepted=replace(accepted, minimum=minimum, effort=effort),
-        )
+
+    def _attempts(self) -> list[tuple[Minimiser, ...]]:
+        """Return minimisers of the released walls that a step may go through, the fewest first.
+
+        A method with multipliers takes its first pressures from a penalty. Where contact is too stiff for what the
+        coarser mesh has left between walls, softer stages lead to it.
+        """
+        terms, stages = self.simulation.problem_of("released").terms, self._released.minimisers
+        has_multipliers = any(isinstance(term, ContactTerm) and term.has_multipliers for term in terms)
+        few = stages[-2 if has_multipliers else -1 :]
+        return [few, stages[1:]] if len(few) < len(stages) - 1 else [few]
 
     def stable(self, found: Refined[Scene]) -> Refined[Scene]:
         """Return a step with its lowest curvature, below a saddle if it rests on one; errors of that are not known."""
@@ -258,10 +270,3 @@ class _Level(Generic[Scene]):
         effort = found.accepted.effort + (spent((minimiser,)) - effort)
         errors = found.errors if left.state is minimum.state else Errors()
         return replace(found, accepted=replace(found.accepted, minimum=left, effort=effort), errors=errors)
-
-    @property
-    def _minimisers(self) -> tuple[Minimiser, ...]:
-        """Minimisers of the released walls: a method with multipliers takes its first pressures from a penalty."""
-        terms = self.simulation.problem_of("released").terms
-        has_multipliers = any(isinstance(term, ContactTerm) and term.has_multipliers for term in terms)
-        return self._released.minimisers[-2 if has_multipliers else -1 :]
