@@ -57,7 +57,6 @@ TOLERANCES = {"mean_gap": 1e-2}
 
 def test_no_tissue_is_left_out():
     assert set(SMALL) == {name for name in shipped_cases() if isinstance(read_case(name), Case)}
-    # Numbers of the shipped prisms have not been recorded yet.
     assert not {name for name in SMALL if not read_case(name).expected}
 
 
