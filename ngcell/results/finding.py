@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from math import isclose
+from math import isclose, isfinite
 from typing import Any
 
 from ngcell.results.quantities import View, measured
@@ -27,9 +28,11 @@ class Finding:
     measured, expected : float
         The two numbers, in the units of the case.
     tolerance : float
-        Largest deviation that passes, > 0.
+        Largest deviation that passes, > 0, beside what the measured number may err by.
     origin : str
         Where the expected number comes from.
+    error : float
+        Estimated error of the measured number, in its units; 0 where none was estimated.
     """
 
     quantity: str
@@ -39,6 +42,7 @@ class Finding:
     expected: float
     tolerance: float
     origin: str
+    error: float = 0.0
 
     @property
     def deviation(self) -> float:
@@ -47,8 +51,8 @@ class Finding:
 
     @property
     def passed(self) -> bool:
-        """Whether the deviation keeps the tolerance; NaN never does."""
-        return abs(self.deviation) <= self.tolerance
+        """Whether the deviation keeps the tolerance, as far as the measured number is known; NaN never does."""
+        return abs(self.deviation) <= self.tolerance + self.error / (abs(self.expected) or 1.0)
 
     def table(self) -> dict[str, Any]:
         """Return everything about it, for the summary."""
@@ -74,10 +78,14 @@ def compare(
     for entry in expected:
         if not isclose(last_level if entry.level is None else entry.level, record.load_factor):
             continue
+        error = 0.0
         if isinstance(entry, Expected):
             value = float(getattr(record, entry.quantity))
+            name = re.sub("_[xyz]$", "", entry.quantity)
+            told = float(getattr(record, f"{name}_error", 0.0))
+            error = told if isfinite(told) else 0.0
         else:
             value = measured(view, entry.quantity, entry.boundaries)
         yield Finding(
-            entry.quantity, entry.place, record.load_factor, value, entry.value, entry.tolerance, entry.origin
+            entry.quantity, entry.place, record.load_factor, value, entry.value, entry.tolerance, entry.origin, error
         )

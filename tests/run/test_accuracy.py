@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
-from math import isfinite, isnan
+from math import isfinite, isnan, nan
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import pytest
@@ -14,6 +16,9 @@ from ngcell.build.reported import Step
 from ngcell.build.simulation import Simulation
 from ngcell.cli.summary import summary_lines
 from ngcell.results.error import ERROR_NAMES
+from ngcell.results.finding import compare
+from ngcell.results.quantities import View
+from ngcell.scene import Expected
 
 SMALL = ("tissue.rows=2", "tissue.cols=2", "load.displacement=[0.3, 0.0]", "load.levels=1")
 PAIR = ("tissue.rows=1", "tissue.cols=2", "load.displacement=[0.2, 0.0]", "load.levels=1")
@@ -105,3 +110,12 @@ def test_bodies_are_refined_as_far_as_their_error_asks_for():
     assert failures(step) == ()
     assert step.mesh.order > 2
     assert [finding.quantity for finding in step.findings if not finding.passed] == []
+
+
+@pytest.mark.parametrize(("error", "passes"), [(0.0, False), (0.004, False), (0.006, True), (nan, False)])
+def test_an_expected_number_is_missed_only_beyond_what_the_measured_one_may_err_by(error: float, passes: bool):
+    *_, step = steps("accuracy=inf")
+    record = replace(step.record, energy=1.006, energy_error=error)
+    expected = Expected(level=1.0, quantity="energy", value=1.0, tolerance=1e-3, origin="nowhere")
+    (found,) = compare([expected], record, cast(View, None), 1.0)
+    assert found.passed is passes

@@ -32,14 +32,14 @@ from tools.commands import described
 from tools.places import RESULTS, ROOT
 from tools.runs import summary_in
 
-_SMALL = ("tissue.rows=1", "tissue.cols=2", "mesh.order=1", "load.levels=4")
+_SMALL = ("tissue.rows=1", "tissue.cols=2", "mesh.order=1", "load.levels=4", "accuracy=inf")
 _BONDED = ("cohesion.strength=0.01", "cohesion.energy=0.0001", 'strategy.kind="load-stepping"')
 #: Words of the small scenes, by name.
 SCENES = {
     "SDDP": ("shear-empty-3x3", *_SMALL),
     "single step, mortar": ("shear-empty-3x3", *_SMALL, 'strategy.kind="single-step"', 'contact.kind="mortar"'),
     "load stepping, bonds": ("shear-empty-3x3", *_SMALL, *_BONDED),
-    "own bodies": ("parting-rings", "levels=4", "steps=4", "mesh.order=1"),
+    "own bodies": ("parting-rings", "levels=4", "steps=4", "mesh.order=1", "accuracy=inf"),
 }
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 COLUMNS = ("scene", "signal", "kills", "before_first_step", "ended_anyway", "runs", "files_changed", "folders_lost")
