@@ -170,8 +170,9 @@ class Problems:
         # Contact is as stiff as the softer body of a pair; what the proximal term has to outweigh at first is the
         # stiffest.
         first = options.first_overlapping if self._overlaps_at_rest(_TOUCHING) else options.first * stiffest / softest
-        least = options.last
-        last = max(least, options.of_accuracy * self.accuracy) if isfinite(self.accuracy) else least
+        # What ends earlier is told as an error; bonds, whose errors are not estimated, are followed to the end.
+        least, is_told = options.last, isfinite(self.accuracy) and self._case.cohesion is None
+        last = max(least, options.of_accuracy * self.accuracy) if is_told else least
         return Continuation(softest / self.bodies.length**2, replace(options, first=first, last=last, least=least))
 
     @property

@@ -145,8 +145,10 @@ class Refinement(Generic[Scene]):
         """Return a step on the mesh that it is reported on."""
         is_judged = self.estimates and accepted.phase != "tied"
         last = Refined(0, self._levels[0].simulation, accepted, Errors(), is_judged)
+        if not self.estimates:
+            return last
         found = [self._numbers(last)]
-        while self.estimates:
+        while True:
             finer = self._next(last)
             if finer is None:
                 return last
@@ -161,7 +163,6 @@ class Refinement(Generic[Scene]):
             last = replace(finer, errors=errors)
             if not is_judged or errors.relative <= self._accuracy:
                 return last
-        return last
 
     @cached_property
     def _exponent(self) -> float:
@@ -264,7 +265,11 @@ class _Level(Generic[Scene]):
         minimiser = (self._tied if found.accepted.phase == "tied" else self._released.minimisers)[-1]
         effort, minimum, path = spent((minimiser,)), found.accepted.minimum, self._released.path
         length, options = self._released.longest_step, self.simulation.options.solver
-        left = stable(minimiser, minimum, scale=path.scale, length=length, options=options)
+        self.simulation.renew_budget()
+        try:
+            left = stable(minimiser, minimum, scale=path.scale, length=length, options=options)
+        except OutOfIterations:
+            return replace(found, errors=Errors())
         if not left.is_found:
             return replace(found, errors=Errors())
         effort = found.accepted.effort + (spent((minimiser,)) - effort)

@@ -74,6 +74,7 @@ def _onset_is_a_bound(simulation: Simulation, steps: list[StepReport]) -> bool:
 
 
 def onset_of_growth(simulation: Simulation, steps: list[StepReport]) -> float | None:
+    """Return the plate displacement at which gaps start to grow [length]; None where they do not."""
     contact = _released(steps)
     displacement, mean = [row.plate_displacement for row in contact], [row.mean_gap for row in contact]
     return growth_onset(displacement, mean, simulation.bodies.thickness, at_rest=simulation.mean_gap_at_rest)

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 from ngcell.mechanics.report import Check
 
-#: Limits of the checks of all scenes: the largest value that passes, unless said otherwise. That of quadrature is below
-#: the 7 % by which the energy of a tissue errs on the default mesh: the rule is never the larger error.
+#: Limits of the checks of all scenes: the largest value that passes, unless said otherwise. That of quadrature is
+#: below the 4 to 8 % by which the energy of a tissue errs at order 3 with two elements a side.
 LIMITS = {
     "residual": 1e-6,
     "penetration_over_wall": 0.02,

@@ -148,8 +148,8 @@ class Continuation:
         return minimum, enough
 
     def last_proximal(self, centre: Array) -> ProximalTerm:
-        """Return the proximal term at the path's end."""
-        return self._proximal(self.options.last, centre)
+        """Return the proximal term at the path's end, however far that goes."""
+        return self._proximal(min(self.options.last, self.options.least), centre)
 
     def _proximal(self, weight: float, centre: Array) -> ProximalTerm:
         """Return a proximal term of this weight in units of the scale."""
