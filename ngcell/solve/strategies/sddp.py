@@ -26,8 +26,8 @@ from ngcell.solve.continuation import until_conditions_hold
 from ngcell.solve.minimum import Minimum
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.proximal import ProximalTerm
+from ngcell.solve.refined import stable
 from ngcell.solve.released import Released
-from ngcell.solve.stability import stable_minimum
 from ngcell.solve.step import MOST_HALVINGS, Accepted, Account, StepFailed, next_goal, spent
 from ngcell.solve.strategies.strategy import Progress, Task
 
@@ -116,8 +116,5 @@ def _tied_minimum(task: Task, start: Array, proximal: ProximalTerm, load: float)
             return minimum
         start = minimum.state.displacement
     last, length, scale = task.tied[-1], task.released.longest_step, task.released.path.scale
-
-    def until_met(minimum: Minimum) -> Minimum:
-        return until_conditions_hold(last, minimum, length, task.options.continuation)
-
-    return stable_minimum(last, until_met(minimum), until_met, task.options.stability, scale=scale, length=length)
+    met = until_conditions_hold(last, minimum, length, task.options.continuation)
+    return stable(last, met, scale=scale, length=length, options=task.options)
