@@ -127,7 +127,8 @@ class Observer:
         accuracy : float, optional
             What they are held to; None where none were to be estimated.
         """
-        path = Path(accepted.follows, tied, accepted.account, accepted.minimum.lowest_curvature)
+        curvature, asked = accepted.minimum.lowest_curvature, self._setup.accuracy
+        path = Path(accepted.follows, tied, accepted.account, curvature, asked)
         judged = () if accuracy is None else (errors.check(accuracy),)
         measured = self._measure(accepted, problem, checkpoint, path, judged)
         after = checkpoint.after(accepted.phase, _state(accepted).at.displacement, measured.work)

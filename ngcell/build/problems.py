@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
-from math import isfinite
+from math import inf, isfinite
 
 import numpy as np
 
@@ -78,6 +78,8 @@ class Problems:
             moved=built.moved,
             prescribed_displacement=built.prescribed_displacement,
             modulus=min(law.shear_modulus for law in built.walls),
+            # What ends earlier is told as an error; bonds, whose errors are not estimated, are followed to the end.
+            accuracy=self.accuracy if scene.cohesion is None else inf,
         )
         self._terms = (*built.terms, *(own(self.space) for own in terms))
         check_balance(self.space, self._terms, self.motion.fixed)
@@ -170,10 +172,12 @@ class Problems:
         # Contact is as stiff as the softer body of a pair; what the proximal term has to outweigh at first is the
         # stiffest.
         first = options.first_overlapping if self._overlaps_at_rest(_TOUCHING) else options.first * stiffest / softest
-        # What ends earlier is told as an error; bonds, whose errors are not estimated, are followed to the end.
-        least, is_told = options.last, isfinite(self.accuracy) and self._case.cohesion is None
-        last = max(least, options.of_accuracy * self.accuracy) if is_told else least
-        return Continuation(softest / self.bodies.length**2, replace(options, first=first, last=last, least=least))
+        least, accuracy = options.last, self.setup.accuracy
+        last, felt = least, 0.0
+        if isfinite(accuracy):
+            last, felt = max(least, options.of_accuracy * accuracy), options.felt * accuracy
+        ends = replace(options, first=first, last=last, least=least, felt=felt)
+        return Continuation(softest / self.bodies.length**2, ends)
 
     @property
     def _moduli(self) -> tuple[float, float]:

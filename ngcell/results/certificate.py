@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from math import inf, isfinite
 
 from ngcell.mechanics.report import Check
 
@@ -28,6 +29,8 @@ LIMITS = {
     "lowest_curvature": -1e-3,
     "energy_balance": 1e-3,
 }
+#: Shares of forces that the proximal term may still hold: where an accuracy is asked for, so much of it.
+HELD, HELD_OF_ACCURACY = ("body_balance", "plate_balance", "stabilisation"), 0.1
 _MEANING = {
     "residual": "norm of the forces out of balance, beyond those that last digits of positions stand for, over that of "
     "the internal forces",
@@ -55,9 +58,10 @@ _MEANING = {
 _MUST_EXCEED = ("smallest_jacobian", "lowest_curvature")
 
 
-def common_check(name: str, value: float, place: str = "") -> Check:
-    """Return a check of all scenes."""
-    return Check(name, value, LIMITS[name], _MEANING[name], must_exceed=name in _MUST_EXCEED, place=place)
+def common_check(name: str, value: float, place: str = "", *, accuracy: float = inf) -> Check:
+    """Return a check of all scenes, at the relative error that is asked for, if one is."""
+    limit = HELD_OF_ACCURACY * accuracy if name in HELD and isfinite(accuracy) else LIMITS[name]
+    return Check(name, value, limit, _MEANING[name], must_exceed=name in _MUST_EXCEED, place=place)
 
 
 @dataclass(frozen=True)

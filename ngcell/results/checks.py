@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 from typing import Protocol
 
 import numpy as np
@@ -55,12 +56,15 @@ class Path:
         Where energy went, of a scene with a history.
     lowest_curvature : float, optional
         Lowest eigenvalue of the tangent over the scale of curvatures; None where it was not sought.
+    accuracy : float
+        Relative error that is asked for, by which the path ends; infinite where none is estimated.
     """
 
     follows: bool = False
     tied: Configuration | None = None
     account: Account | None = None
     lowest_curvature: float | None = None
+    accuracy: float = inf
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,7 +144,7 @@ def certify(
         **({} if path.tied is None else {"energy_above_tied": _above(problem, state.at, path.tied) / scales.at_stake}),
         **({} if path.lowest_curvature is None else {"lowest_curvature": path.lowest_curvature}),
     }
-    found: list[Check] = [common_check(name, value) for name, value in common.items()]
+    found: list[Check] = [common_check(name, value, accuracy=path.accuracy) for name, value in common.items()]
     found += [_smallest_jacobian(space, state), *_self_penetration(space, state, scales)]
     return Certificate((*found, *checks(problem.terms, state.at, scales)))
 

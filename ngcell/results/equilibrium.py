@@ -45,6 +45,8 @@ class Setup:
         Displacement of that support at load factor 1 [length].
     modulus : float
         Shear modulus of the softest wall [stress].
+    accuracy : float
+        Relative error by which the path of released walls ends; infinite where it goes to its own end.
     """
 
     walls: Surface
@@ -53,6 +55,7 @@ class Setup:
     moved: str
     prescribed_displacement: Array
     modulus: float
+    accuracy: float
 
 
 class Held(Protocol):
@@ -105,7 +108,8 @@ def balance_of(setup: Setup, problem: Problem, state: State, proximal_force: Arr
 def numbers_of(setup: Setup, problem: Problem, state: State, proximal: Held) -> Numbers:
     """Return the numbers of a state, held by a proximal term, that errors are estimated for."""
     at = state.displacement
-    balance = balance_of(setup, problem, state, -proximal.gradient(at, problem.mass))
+    pull = -proximal.gradient(at, problem.mass)
+    balance = balance_of(setup, problem, state, pull)
     thickness, proximal_energy = problem.space.bodies.thickness, proximal.value(at, problem.mass)
     energy, held = state.energy - problem.unstored(state.at), setup.facing.between_held(balance.free_bodies)
     scales = scales_of(problem.space, setup.modulus, energy)
@@ -119,6 +123,7 @@ def numbers_of(setup: Setup, problem: Problem, state: State, proximal: Held) -> 
         largest_gap=largest,
         scales=(scales.energy, force, OPEN * thickness),
         besides=problem.overlap_work(state.at) + proximal_energy,
+        pulled=float(np.linalg.norm(problem.resultants(pull).sum(0))),
     )
 
 

@@ -4,7 +4,8 @@ With a remaining share r of the error from one mesh to the next, numbers q on tw
 error of the coarser one: the finer one errs by ``|q - q'| r / (1 - r)``. The share is measured where there are three
 meshes, from how much less the second refinement has changed the energy than the first; it is never taken smaller than
 what the strongest singularity of the bodies lets remain, and never larger than `MOST_REMAINS`. Beside the mesh, the
-energy errs by contact that is not rigid, at most by forces times overlaps, and by what the proximal term still holds.
+energy errs by contact that is not rigid, at most by forces times overlaps, and energy and plate force by what the
+proximal term still holds.
 """
 
 from __future__ import annotations
@@ -43,6 +44,8 @@ class Numbers:
         Energy, force and gap below which nothing is told apart.
     besides : float
         What the energy may err by besides the mesh [stress * length**2].
+    pulled : float
+        What the proximal term that is left takes of the force from one support to the other [stress * length].
     """
 
     energy: float
@@ -52,6 +55,7 @@ class Numbers:
     largest_gap: float
     scales: tuple[float, float, float]
     besides: float = 0.0
+    pulled: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -108,7 +112,7 @@ def estimate(found: Sequence[Numbers], remains: float, *, of_last: bool = True) 
         return _change(found[-2], last, name) * (share if of_last else 1.0) / (1 - share)
 
     energy = error("energy") + last.besides
-    force, contact = error("plate_force"), error("contact_force")
+    force, contact = error("plate_force") + last.pulled, error("contact_force")
     mean, largest = error("mean_gap"), error("largest_gap")
     scales = last.scales
     relative = max(

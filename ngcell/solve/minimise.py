@@ -2,8 +2,9 @@
 
 Each iteration minimises the second-order model of the energy plus ``damping/2 |d|^2`` in the mass norm. A step is taken
 if the energy falls by a fair share of what the model foresaw; if not, or if the model is not convex along it, the
-damping is raised and the model, still at hand, is minimised again. The damping falls with every good step and is
-exactly zero at the end, so it leaves no trace in the result. No component of a step is longer than `longest_step`: half
+damping is raised, in the bodies where the model fails (`ngcell.solve.damping`), and the model, still at hand, is
+minimised again. The damping falls with every good step and is exactly zero at the end, so it leaves no trace in the
+result. No component of a step is longer than `longest_step`: half
 of the distance in which contact is searched, so that no wall is passed unseen.
 
 Near the minimum differences of energies drown in round-off. There the model alone is trusted.
@@ -13,18 +14,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.clock import Clock
+from ngcell.solve.assembly import Assembly
+from ngcell.solve.damping import Damper
 from ngcell.solve.effort import Budget, Effort
 from ngcell.solve.minimum import Advance, Ending, Minimum
 from ngcell.solve.one_sided import Matrix, OneSidedModel, minimise_one_sided
 from ngcell.solve.options import MinimiserOptions
 from ngcell.solve.problem import Linearisation, Problem, State
 from ngcell.solve.proximal import ProximalTerm
-from ngcell.solve.system import System, direct_system, iterative_system
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -57,9 +60,15 @@ class Minimiser:
     clock: Clock = field(default_factory=Clock)
     effort: Effort = field(default_factory=Effort)
     budget: Budget = field(default_factory=Budget)
-    _system: System | None = None
-    _near_at: Array | None = None
-    _may_touch: bool = False
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        """The models of the problem, and its matrix."""
+        return Assembly(self.problem, self.longest_step, self.options, self.clock, self.effort)
+
+    @cached_property
+    def _damper(self) -> Damper:
+        return Damper(self.problem.mass, self.problem.part, self.options)
 
     def minimise(
         self, start: Array, proximal: ProximalTerm, tolerance: float = 0.0, most: int | None = None
@@ -68,7 +77,7 @@ class Minimiser:
 
         It ends after `most` iterations, by default as many as the options say.
         """
-        state, damping, decrement = self._at(start), 0.0, float("inf")
+        state, damping, decrement = self._at(start), self._damper.none, float("inf")
         lowest, idle = decrement, 0
         if not np.isfinite(state.energy):
             return Minimum(state, Ending.NO_ENERGY, decrement, proximal)
@@ -80,7 +89,7 @@ class Minimiser:
             if advance is None:
                 return Minimum(state, Ending.NO_DESCENT, decrement, proximal)
             state, damping, decrement = advance.state, advance.damping, advance.decrement
-            if advance.damping_used == 0 and (decrement <= tolerance or self._is_lost(state, decrement)):
+            if not advance.was_damped and (decrement <= tolerance or self._is_lost(state, decrement)):
                 return Minimum(state, Ending.CONVERGED, decrement, proximal)
             if decrement < lowest / 4:
                 lowest, idle = decrement, 0
@@ -97,7 +106,8 @@ class Minimiser:
         """
         state = self._at(displacement)
         jump = np.where(self.problem.free, 0.0, imposed - displacement)
-        model, matrix = self._model(state, self.problem.linearise(state), ProximalTerm(weight, displacement), 0.0)
+        line = self.problem.linearise(state)
+        model, matrix = self.assembly.model(state, line, ProximalTerm(weight, displacement))
         touching = np.flatnonzero(model.gap <= self.options.touching * self.longest_step)
         values = matrix.add_penalty_terms(model.stiffness, model.jacobian[touching], model.penalty[touching])
         matrix.factorise(values)
@@ -112,7 +122,8 @@ class Minimiser:
         """
         state = self._at(displacement)
         jump = np.where(self.problem.free, 0.0, imposed - displacement)
-        model, matrix = self._model(state, self.problem.linearise(state), ProximalTerm(weight, displacement), 0.0)
+        line = self.problem.linearise(state)
+        model, matrix = self.assembly.model(state, line, ProximalTerm(weight, displacement))
         driven = matrix.multiply(model.stiffness, jump) - model.pulled(model.penalty * np.minimum(model.gap, 0))
         driven = np.where(self.problem.free, driven, 0.0)
         moved = replace(model, gradient=driven, gap=model.gap + model.jacobian @ jump)
@@ -123,7 +134,8 @@ class Minimiser:
     def stiffened(self, minimum: Minimum, weight: float) -> Callable[[Array], Array]:
         """Return what solves with the tangent at a minimum plus a multiple of the mass; closed walls stay so."""
         line = self.problem.linearise(minimum.state)
-        model, matrix = self._model(minimum.state, line, minimum.proximal, weight)
+        proximal = replace(minimum.proximal, weight=minimum.proximal.weight + weight)
+        model, matrix = self.assembly.model(minimum.state, line, proximal)
         closed = np.flatnonzero(model.gap < 0)
         matrix.factorise(matrix.add_penalty_terms(model.stiffness, model.jacobian[closed], model.penalty[closed]))
         self.effort.factorisations += 1
@@ -131,20 +143,20 @@ class Minimiser:
 
     def adopt_matrix(self, other: Minimiser) -> None:
         """Take over the matrix of a minimiser that has the same unknowns and bodies, if there is none yet."""
-        self._system = self._system or other._system
+        self.assembly.adopt(other.assembly)
 
     def forget_matrix(self) -> None:
         """Make the next matrix anew, so that its order of elimination tells nothing of earlier minimisations."""
-        self._system = self._near_at = None
-
-    def proximal_energy(self, displacement: Array, proximal: ProximalTerm) -> float:
-        """Return the energy of a proximal term."""
-        return proximal.value(displacement, self.problem.mass)
+        self.assembly.forget()
 
     @property
     def is_iterative(self) -> bool:
         """Whether systems are solved by iterations, and not factorised in one piece."""
-        return len(self.problem.free) > self.options.most_direct and self.problem.dimension == 3
+        return self.assembly.is_iterative
+
+    def proximal_energy(self, displacement: Array, proximal: ProximalTerm) -> float:
+        """Return the energy of a proximal term."""
+        return proximal.value(displacement, self.problem.mass)
 
     @property
     def _noise(self) -> float:
@@ -161,7 +173,7 @@ class Minimiser:
 
     def _ending_of_stall(self, state: State, proximal: ProximalTerm) -> Ending:
         """Return what iterations that lead nowhere mean: damping makes decrements small, whatever the forces are."""
-        model, matrix = self._model(state, self.problem.linearise(state), proximal, 0.0)
+        model, matrix = self.assembly.model(state, self.problem.linearise(state), proximal)
         step, change = self._step(model, matrix)
         is_balanced = change <= 0 and -float(model.full_gradient @ step) <= self._unseen(state)
         return Ending.STALLED if is_balanced else Ending.NO_DESCENT
@@ -171,7 +183,7 @@ class Minimiser:
         with self.clock.phase("pairs and energies"):
             return self.problem.at(displacement)
 
-    def _descend(self, state: State, proximal: ProximalTerm, damping: float, tolerance: float) -> Advance | None:
+    def _descend(self, state: State, proximal: ProximalTerm, damping: Array, tolerance: float) -> Advance | None:
         """Return the next iterate, or None if no damping makes a step that lowers the energy.
 
         A state whose own decrement is within the tolerance is the last but one, even where a kink spoils its step.
@@ -180,28 +192,28 @@ class Minimiser:
             line = self.problem.linearise(state)
         energy = state.energy + self.proximal_energy(state.displacement, proximal)
         lost = max(self.options.round_off * abs(energy), self._noise)
-        (model, matrix), is_last = self._model(state, line, proximal, damping), False
+        undamped, matrix = self.assembly.model(state, line, proximal)
+        is_last = False
         for _ in range(self.options.most_refusals):
+            model = self.assembly.damped(undamped, damping)
             step, change = self._step(model, matrix)
-            decrement = -float(model.full_gradient @ step)
-            if change <= 0 <= decrement:
+            slope, lacking = float(model.full_gradient @ step), self._damper.none
+            if change <= 0 and slope <= 0:
                 trial, gain = self._tried(state, step, proximal, energy)
                 if -lost < change and -lost < gain:
-                    return Advance(trial, 0.0, decrement, damping)
-                if gain <= self.options.poor * -change:
-                    bent = self._bent(line, (model, matrix), step, trial, self.options.poor * -change - gain)
-                    if bent is not None:
-                        bent_trial, bent_gain = self._tried(state, bent, proximal, energy)
-                        if bent_gain > self.options.poor * -change:
-                            trial, gain = bent_trial, bent_gain
-                quality = gain / -change if change < 0 else -np.inf
-                is_last = is_last or (damping == 0 and decrement <= tolerance)
-                if quality > self.options.poor:
-                    relaxed = self._relaxed(damping, quality, model, step)
-                    return Advance(trial, relaxed, decrement, 0.0 if is_last else damping)
-            raised = max(self.options.raise_by * damping, self._weight_of(self.options.felt, model, step))
-            stiffness = self._required.with_metric(model.stiffness, raised - damping)
-            model, damping = replace(model, stiffness=stiffness), raised
+                    return Advance(trial, self._damper.none, -slope, bool(damping.any()))
+                least = self.options.poor * -change
+                if gain <= least:
+                    bent = self._bent(line, (model, matrix), step, trial, least - gain)
+                    again = (trial, gain) if bent is None else self._tried(state, bent, proximal, energy)
+                    trial, gain = again if again[1] > least else (trial, gain)
+                if np.isfinite(trial.energy) and gain < self.options.fair * -change:
+                    lacking = self._lacking(undamped, matrix, step, trial, proximal)
+                is_last = is_last or (not damping.any() and -slope <= tolerance)
+                if change < 0 and gain > least:
+                    relaxed = self._damper.relaxed(damping, step, slope, lacking, gain / -change)
+                    return Advance(trial, relaxed, -slope, bool(damping.any()) and not is_last)
+            damping = self._damper.raised(damping, step, slope, lacking)
             self.effort.refusals += 1
         return None
 
@@ -246,54 +258,11 @@ class Minimiser:
             change = model.change(step, matrix.multiply(model.stiffness, step), model.jacobian @ step)
         return step, change
 
-    def _relaxed(self, damping: float, quality: float, model: OneSidedModel, step: Array) -> float:
-        """Return the damping after an accepted step; one that is not felt along the step becomes zero."""
-        unfelt = self._weight_of(self.options.unfelt, model, step)
-        if quality < self.options.fair:
-            return max(self.options.nudge_by * damping, unfelt)
-        return self.options.lower_by * damping if self.options.lower_by * damping > unfelt else 0.0
-
-    def _weight_of(self, share: float, model: OneSidedModel, step: Array) -> float:
-        """Return the damping whose curvature along the step is this share of the model's slope along it."""
-        weight = float(step @ (self.problem.mass @ step))
-        return share * abs(float(model.full_gradient @ step)) / max(weight, np.finfo(float).tiny)
-
-    def _model(
-        self, state: State, line: Linearisation, proximal: ProximalTerm, damping: float
-    ) -> tuple[OneSidedModel, Matrix]:
-        """Return the second-order model with its proximal term and damping, and the matrix that solves for it."""
+    def _lacking(
+        self, model: OneSidedModel, matrix: Matrix, step: Array, trial: State, proximal: ProximalTerm
+    ) -> Array:
+        """Return what the energy of each body has beyond an undamped model after a step [energy], shape (bodies,)."""
         with self.clock.phase("assembly"):
-            self._make_room(state)
-            system, free = self._required, self.problem.free
-            values = system.with_metric(system.of_pattern(line.stiffness), proximal.weight + damping)
-            if line.curvature is not None:
-                values = system.matrix.add(values, line.curvature)
-            gradient = line.gradient + proximal.gradient(state.displacement, self.problem.mass)
-            model = OneSidedModel(np.where(free, gradient, 0.0), values, line.gap, line.jacobian, line.penalty, free)
-            return model, system.matrix
-
-    @property
-    def _required(self) -> System:
-        assert self._system is not None  # `_make_room` has made one
-        return self._system
-
-    def _is_near(self, state: State, margin: float) -> bool:
-        moved = np.inf if self._near_at is None else float(np.abs(state.displacement - self._near_at).max())
-        return moved <= margin / 2 or (self._near_at is not None and not self._may_touch)
-
-    def _make_room(self, state: State) -> None:
-        """Make a matrix, or a new one when walls that may have come into reach have no room in it."""
-        if self.is_iterative:
-            self._system = self._system or iterative_system(self.problem)
-            return
-        margin = self.options.margin * self.longest_step
-        if self._system is not None and self._is_near(state, margin):
-            return
-        near = self.problem.couplings(state, margin)
-        self._near_at, self._may_touch = state.displacement, bool(len(near[0]))
-        if self._system is not None and self._system.matrix.has_room(*near):
-            return
-        self.effort.patterns += 1
-        self._system = direct_system(
-            self.problem, self.problem.couplings(state, self.options.wide_margin * self.longest_step)
-        )
+            found = self.problem.gradient(trial) + proximal.gradient(trial.displacement, self.problem.mass)
+            foreseen = model.gradient_after(matrix.multiply(model.stiffness, step), model.jacobian @ step)
+        return self._damper.by_body(np.where(self.problem.free, 0.5 * (found - foreseen) * step, 0.0))

@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ngcell.solve.problem import State
 from ngcell.solve.proximal import ProximalTerm
 
@@ -55,9 +58,9 @@ class Minimum:
 
 @dataclass(frozen=True, eq=False)
 class Advance:
-    """The next iterate, the damping to go on with, the decrement, and the damping that led here."""
+    """The next iterate, the damping of each body to go on with, the decrement, and whether damping led here."""
 
     state: State
-    damping: float
+    damping: NDArray[np.float64]
     decrement: float
-    damping_used: float
+    was_damped: bool

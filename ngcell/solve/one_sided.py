@@ -85,6 +85,10 @@ class OneSidedModel:
         """The gradient at 0, penalty terms included; zero on unknowns that are not free."""
         return np.where(self.free, self.gradient + self.pulled(self.penalty * np.minimum(self.gap, 0)), 0.0)
 
+    def gradient_after(self, curved: Array, moved: Array) -> Array:
+        """Return the gradient after a step, with ``curved = K step`` and ``moved = jacobian step``."""
+        return np.asarray(self.gradient + curved + self.pulled(self.penalty * np.minimum(self.gap + moved, 0)))
+
     def pulled(self, forces: Array) -> Array:
         """Return ``jacobian.T forces``."""
         return np.asarray(self._transposed @ forces)

@@ -99,8 +99,8 @@ class ContinuationOptions:
         Weight at the start, where the continuation may end if need be, and at its end.
     of_accuracy, least, felt : float
         Weight at the end over the accuracy that is asked for, where it is not smaller by itself; weight down to which
-        it goes on where it is felt, by default not beyond its end; and the share of the largest force on a body that is
-        felt.
+        it goes on where it is felt, by default not beyond its end; and the pull that is felt, as a multiple of the
+        accuracy times the largest force on a body: half of what the certificate allows.
     first_overlapping : float
         Weight at the start where walls overlap at rest: a larger one would hold them deep in each other, where the
         nearest wall changes from point to point and the energy is not smooth.
@@ -134,7 +134,7 @@ class ContinuationOptions:
     last: float = 1e-9
     of_accuracy: float = 1e-4
     least: float = inf
-    felt: float = 1e-4
+    felt: float = 0.05
     first_overlapping: float = 1.0
     narrowest: float = 0.5
     widest: float = 1.0
@@ -223,7 +223,8 @@ class SolverOptions:
         Ratio of bulk to shear modulus up to which a law is followed as it is, and the factor between the stages beyond
         it: there Newton's method crawls along the curved valley of constant volume.
     refined : float
-        Decrement at which a minimisation on a finer mesh ends, as a share of the energy.
+        Decrement at which a minimisation on a finer mesh ends, as a share of the energy: one step further forces are
+        round-off, and it is told which cells nothing holds.
     most_iterations : int
         Iterations of a step, all attempts together; the shipped cases take at most 300.
     """
@@ -234,5 +235,5 @@ class SolverOptions:
     stability: StabilityOptions = field(default_factory=StabilityOptions)
     direct_bulk: float = 1e4
     bulk_stage: float = 30.0
-    refined: float = 1e-16
+    refined: float = 1e-12
     most_iterations: int = 5000

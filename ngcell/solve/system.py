@@ -26,6 +26,8 @@ class System:
         The matrix.
     bulk, metric : array of int
         Where the entries of the problem's pattern and of its mass matrix stand among the values.
+    metric_row, metric_column : array of int
+        Rows and columns of the entries of the mass matrix.
     metric_values : array of float
         The entries of the mass matrix.
     """
@@ -33,15 +35,21 @@ class System:
     matrix: Matrix
     bulk: Index
     metric: Index
+    metric_row: Index
+    metric_column: Index
     metric_values: Array
 
     def of_pattern(self, stiffness: Array) -> Array:
         """Return the values of a matrix from those on the problem's pattern."""
         return np.asarray(np.bincount(self.bulk, weights=stiffness, minlength=self.matrix.entry_count), dtype=float)
 
-    def with_metric(self, values: Array, weight: float) -> Array:
-        """Return the values plus a multiple of the mass matrix."""
+    def with_metric(self, values: Array, weight: Array | float) -> Array:
+        """Return the values plus a multiple of the mass matrix, or ``sqrt(weight_i weight_j) M_ij`` where each unknown
+        has a weight of its own."""
         summed = values.copy()
+        if isinstance(weight, np.ndarray):
+            root = np.sqrt(weight)
+            weight = root[self.metric_row] * root[self.metric_column]
         summed[self.metric] += weight * self.metric_values
         return summed
 
@@ -62,7 +70,7 @@ def iterative_system(problem: Problem) -> System:
 
 
 def _located(matrix: Matrix, bulk: tuple[Index, Index], metric: tuple[Index, Index], values: Array) -> System:
-    return System(matrix, matrix.locate(*bulk), matrix.locate(*metric), values)
+    return System(matrix, matrix.locate(*bulk), matrix.locate(*metric), *metric, values)
 
 
 def _entries(problem: Problem) -> tuple[tuple[Index, Index], tuple[Index, Index], Array]:

@@ -18,9 +18,9 @@ def test_entries_are_those_of_the_matrix_that_a_release_makes(height):
     scene = case(height)
     simulation = Simulation(scene)
     minimiser = simulation.released.minimisers[0]
-    minimiser._make_room(minimiser.problem.at(np.zeros(simulation.space.unknowns)))
+    minimiser.assembly.make_room(minimiser.problem.at(np.zeros(simulation.space.unknowns)))
     entries = entry_count(simulation.problem, minimiser)
-    assert entries == minimiser._system.matrix.entry_count
+    assert entries == minimiser.assembly.system.matrix.entry_count
     told = inspect(scene)
     assert told["matrix_entries"] == entries
     assert told["memory_foreseen_gib"] == pytest.approx(foreseen_memory(entries), abs=0.005)
@@ -30,9 +30,9 @@ def test_matrices_of_the_iterative_solver_have_room_for_no_contact():
     options = Options(solver=SolverOptions(minimiser=MinimiserOptions(most_direct=0)))
     simulation = Simulation(case(0.4), options=options)
     minimiser = simulation.released.minimisers[0]
-    minimiser._make_room(minimiser.problem.at(np.zeros(simulation.space.unknowns)))
+    minimiser.assembly.make_room(minimiser.problem.at(np.zeros(simulation.space.unknowns)))
     entries = entry_count(simulation.problem, minimiser)
-    assert entries == minimiser._system.matrix.entry_count
+    assert entries == minimiser.assembly.system.matrix.entry_count
     told = inspect(case(0.4), options=options)
     assert told["solver"] == "iterative" and told["matrix_entries"] == entries
     told = inspect(case(0.4))

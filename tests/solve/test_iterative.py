@@ -123,5 +123,5 @@ def test_planar_scenes_are_never_solved_by_iterations():
     minimiser = simulation.released.minimisers[0]
     assert not minimiser.is_iterative
     assert Simulation(case(0.4), options=ITERATIVE).released.minimisers[0].is_iterative
-    minimiser._make_room(minimiser.problem.at(np.zeros(simulation.space.unknowns)))
-    assert isinstance(minimiser._system.matrix, SymmetricMatrix)
+    minimiser.assembly.make_room(minimiser.problem.at(np.zeros(simulation.space.unknowns)))
+    assert isinstance(minimiser.assembly.system.matrix, SymmetricMatrix)

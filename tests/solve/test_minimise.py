@@ -49,7 +49,7 @@ class Landscape:
     free: np.ndarray = field(default_factory=lambda: np.ones(3, dtype=bool))
     visited: list[np.ndarray] = field(default_factory=list)
 
-    mass = sparse.csr_array(np.eye(3))
+    mass, part = sparse.csr_array(np.eye(3)), np.zeros(3, dtype=int)
     pattern = (np.arange(3), np.arange(3))
 
     def at(self, displacement: np.ndarray) -> Point:
@@ -71,6 +71,10 @@ class Landscape:
         jacobian = sparse.csr_array(np.array([[-1.0, 0, 0]] * len(gap)).reshape(-1, 3))
         stiffness = np.array([12 * x * x - 4, 1.0, 0.0])
         return Model(gradient, stiffness, None, gap, jacobian, np.full(len(gap), self.penalty), np.arange(len(gap)))
+
+    def gradient(self, state: Point) -> np.ndarray:
+        line = self.linearise(state)
+        return line.gradient + line.jacobian.T @ (line.penalty * np.minimum(line.gap, 0))
 
     def gaps(self, state: Point) -> tuple[np.ndarray, np.ndarray]:
         gap = np.array([self.stop - state.displacement[0]] if np.isfinite(self.stop) else [])

@@ -35,7 +35,7 @@ def iterated(case: Any) -> dict[str, float]:
     clock.clear()
     minimiser.minimise(start, proximal, most=ITERATIONS)
     spent = minimiser.effort - effort
-    system = minimiser._system
+    system = minimiser.assembly.system
     assert system is not None  # it has made one
     rest = clock["pairs and energies"] + clock["assembly"]
     return {

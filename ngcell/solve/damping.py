@@ -1,0 +1,97 @@
+"""Damping of Newton steps, body by body: where the second-order model of the energy fails, and nowhere else.
+
+In a tissue walls slide past corners here and there at once. Damped as one, all bodies would wait for the one whose step
+was foreseen worst; the energy is a sum over bodies and pairs of them, and so is what the model lacks. Between two
+places it is, body by body, half of the forces that the model did not foresee times the way (the trapezoidal rule).
+Damping weights are multiples of the mass matrix, ``sqrt(weight_i weight_j) M_ij``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from ngcell.solve.options import MinimiserOptions
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+#: Share of what the model lacks altogether that the bodies have among them of which each gets more damping.
+_MOST_OF_IT = 0.99
+#: Damping beyond which a body does not move at all, and products would overflow.
+_LARGEST = 1e150
+
+
+@dataclass(frozen=True, eq=False)
+class Damper:
+    """How damping changes.
+
+    Parameters
+    ----------
+    mass : csr_array, shape (unknowns, unknowns)
+        Mass matrix.
+    part : array of int, shape (unknowns,)
+        Body of each unknown.
+    options : MinimiserOptions
+        The numbers of the method.
+    """
+
+    mass: sparse.csr_array
+    part: Index
+    options: MinimiserOptions
+
+    @cached_property
+    def none(self) -> Array:
+        """No damping, shape (bodies,)."""
+        return np.zeros(int(self.part.max(initial=0)) + 1)
+
+    def by_body(self, values: Array) -> Array:
+        """Return the sums of values of unknowns over each body, shape (bodies,)."""
+        return np.bincount(self.part, weights=values, minlength=len(self.none)).astype(float)
+
+    def raised(self, damping: Array, step: Array, slope: float, lacking: Array) -> Array:
+        """Return the damping after a step that was refused.
+
+        Parameters
+        ----------
+        damping : array of float, shape (bodies,)
+            That of the step.
+        step : array of float, shape (unknowns,)
+            The step [length].
+        slope : float
+            Decrease of the energy along the step, to first order [energy].
+        lacking : array of float, shape (bodies,)
+            What the model lacks in each body [energy]; only ratios count.
+        """
+        share, way = self._shares(lacking), self._way(step)
+        raised = np.maximum(self.options.raise_by * damping, self.options.felt * abs(slope) * share / way)
+        return np.where(share > 0, np.minimum(raised, _LARGEST), damping)
+
+    def relaxed(self, damping: Array, step: Array, slope: float, lacking: Array, quality: float) -> Array:
+        """Return the damping after an accepted step; parameters as for `raised`."""
+        way = self._way(step)
+        unfelt = self.options.unfelt * abs(slope) / way
+        lowered = np.where(self.options.lower_by * damping > unfelt, self.options.lower_by * damping, 0.0)
+        if quality >= self.options.fair:
+            return lowered
+        nudged = np.maximum(self.options.nudge_by * damping, unfelt)
+        return np.where(self._shares(lacking) > 0, nudged, lowered)
+
+    def _way(self, step: Array) -> Array:
+        """Return the squared way of each body in the mass norm, shape (bodies,)."""
+        return np.maximum(self.by_body(step * (self.mass @ step)), np.finfo(float).tiny)
+
+    def _shares(self, lacking: Array) -> Array:
+        """Return the shares of the bodies that have most of what the model lacks; 0 for others, shape (bodies,)."""
+        positive = np.maximum(lacking, 0.0)
+        if not positive.any():
+            return np.full(len(lacking), 1.0 / len(lacking))
+        order = np.argsort(-positive, kind="stable")
+        before = np.cumsum(positive[order]) - positive[order]
+        counts = np.zeros(len(lacking), dtype=bool)
+        counts[order] = before < _MOST_OF_IT * positive.sum()
+        return np.where(counts, positive / positive.sum(), 0.0)

@@ -1,0 +1,99 @@
+"""Steps are damped in the bodies where the model of the energy fails, and nowhere else."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from ngcell.solve.damping import Damper
+from ngcell.solve.minimise import Minimiser
+from ngcell.solve.minimum import Ending
+from ngcell.solve.options import MinimiserOptions
+from ngcell.solve.proximal import ProximalTerm
+
+BODIES = 20
+
+
+@dataclass
+class Line:
+    gradient: np.ndarray
+    stiffness: np.ndarray
+    curvature: None = None
+    gap: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    jacobian: sparse.csr_array = field(default_factory=lambda: sparse.csr_array((0, BODIES)))
+    penalty: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    keys: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+
+
+@dataclass
+class Place:
+    displacement: np.ndarray
+    energy: float
+
+
+class Bowls:
+    """Bodies with one unknown each: ``cosh(sharp x)`` over ``sharp**2``, sharp in some and smooth in the others."""
+
+    dimension = 2
+    free = np.ones(BODIES, dtype=bool)
+    part = np.arange(BODIES)
+    mass = sparse.csr_array(np.eye(BODIES))
+    pattern = (np.arange(BODIES), np.arange(BODIES))
+
+    def __init__(self, sharp: int) -> None:
+        self.sharp = np.where(np.arange(BODIES) < sharp, 30.0, 0.1)
+
+    def at(self, displacement: np.ndarray) -> Place:
+        return Place(displacement, float(np.sum((np.cosh(self.sharp * displacement) - 1) / self.sharp**2)))
+
+    def move(self, displacement: np.ndarray, step: np.ndarray) -> np.ndarray:
+        return displacement + step
+
+    def gradient(self, state: Place) -> np.ndarray:
+        return np.sinh(self.sharp * state.displacement) / self.sharp
+
+    def linearise(self, state: Place) -> Line:
+        return Line(self.gradient(state), np.cosh(self.sharp * state.displacement))
+
+    def gaps(self, state: Place) -> tuple[np.ndarray, np.ndarray]:
+        return np.zeros(0, dtype=np.int64), np.zeros(0)
+
+    def couplings(self, state: Place, margin: float) -> tuple[np.ndarray, np.ndarray]:
+        return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
+
+
+def damper(options: MinimiserOptions = MinimiserOptions()) -> Damper:
+    return Damper(sparse.csr_array(np.eye(4)), np.array([0, 0, 1, 2]), options)
+
+
+def test_only_bodies_that_lack_energy_are_damped_and_by_their_share_of_the_slope():
+    step = np.array([0.1, 0.0, 0.2, 0.3])
+    raised = damper(MinimiserOptions(felt=0.1)).raised(np.zeros(3), step, -5.0, np.array([3.0, 1.0, -2.0]))
+    # The damping times the squared way is a tenth of the slope, shared by what they lack.
+    np.testing.assert_allclose(raised, [0.5 * 0.75 / 0.01, 0.5 * 0.25 / 0.04, 0.0])
+
+
+def test_damping_is_felt_even_where_nothing_is_known_of_the_energy():
+    raised = damper().raised(np.zeros(3), np.full(4, 0.1), -1.0, np.zeros(3))
+    assert (raised > 0).all()
+    again = damper().raised(raised, np.full(4, 0.1), -1.0, np.zeros(3))
+    assert (again >= 8 * raised).all()
+
+
+def test_damping_ends_at_exactly_nothing():
+    damping, options = np.array([1.0, 0.0, 1e-3]), MinimiserOptions()
+    for _ in range(20):
+        damping = damper(options).relaxed(damping, np.full(4, 0.1), -1.0, np.zeros(3), 1.0)
+    np.testing.assert_array_equal(damping, 0.0)
+
+
+@pytest.mark.parametrize("start", [0.03, 0.3])
+def test_one_sharp_body_does_not_hold_up_the_others(start):
+    def iterations(sharp: int, weight: float) -> int:
+        minimiser = Minimiser(Bowls(sharp), np.inf, energy_scale=1.0)
+        held = ProximalTerm(weight, np.zeros(BODIES))
+        assert minimiser.minimise(np.full(BODIES, start), held).ending is Ending.CONVERGED
+        return minimiser.effort.iterations
+
+    assert iterations(1, 0.0) <= iterations(BODIES, 0.0) + 1
