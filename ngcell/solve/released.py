@@ -141,7 +141,7 @@ class Released:
         Soft contact lets bodies that hardly change their volume sink into each other until the nearest wall of a point
         changes from one to the next.
         """
-        begin = self.path.begin(self.apart, self._nearer(start, centre), centre)
+        begin = self.path.begin(self.apart, start, centre)
         if not begin.is_found:
             return begin
         for first in range(len(self.minimisers)):
@@ -151,10 +151,6 @@ class Released:
             if first + 1 < len(self.minimisers):
                 self.minimisers[first + 1].problem.start_from(self.minimisers[first].problem, minimum.state)
         return minimum
-
-    def _nearer(self, start: Array, centre: Array) -> Array:
-        """Return where to look for the beginning of the path: the centre, in which no element is inverted as a rule."""
-        return centre if np.isfinite(self.apart.problem.at(centre).energy) else start
 
     def _alone(self, start: Array, proximal: ProximalTerm) -> Minimum | None:
         """Return the minimum of a body that is alone; None if there are more, or if none was found."""

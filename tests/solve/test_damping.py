@@ -63,13 +63,13 @@ class Bowls:
         return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
 
 
-def damper(options: MinimiserOptions = MinimiserOptions()) -> Damper:
-    return Damper(sparse.csr_array(np.eye(4)), np.array([0, 0, 1, 2]), options)
+def damper(**numbers: float) -> Damper:
+    return Damper(sparse.csr_array(np.eye(4)), np.array([0, 0, 1, 2]), MinimiserOptions(**numbers))
 
 
 def test_only_bodies_that_lack_energy_are_damped_and_by_their_share_of_the_slope():
     step = np.array([0.1, 0.0, 0.2, 0.3])
-    raised = damper(MinimiserOptions(felt=0.1)).raised(np.zeros(3), step, -5.0, np.array([3.0, 1.0, -2.0]))
+    raised = damper(felt=0.1).raised(np.zeros(3), step, -5.0, np.array([3.0, 1.0, -2.0]))
     # The damping times the squared way is a tenth of the slope, shared by what they lack.
     np.testing.assert_allclose(raised, [0.5 * 0.75 / 0.01, 0.5 * 0.25 / 0.04, 0.0])
 
@@ -82,9 +82,9 @@ def test_damping_is_felt_even_where_nothing_is_known_of_the_energy():
 
 
 def test_damping_ends_at_exactly_nothing():
-    damping, options = np.array([1.0, 0.0, 1e-3]), MinimiserOptions()
+    damping = np.array([1.0, 0.0, 1e-3])
     for _ in range(20):
-        damping = damper(options).relaxed(damping, np.full(4, 0.1), -1.0, np.zeros(3), 1.0)
+        damping = damper().relaxed(damping, np.full(4, 0.1), -1.0, np.zeros(3), 1.0)
     np.testing.assert_array_equal(damping, 0.0)
 
 
