@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from ngcell.contact.methods.by_mortar import Mortar
     from ngcell.contact.methods.by_penalty import Penalty
     from ngcell.contact.methods.normal_law import NormalLaw
+    from ngcell.ensemble import members
     from ngcell.errors import CaseError, DependencyError, GeometryError, NgcellError, NotConverged, OutputError
     from ngcell.geometry.tissues.honeycomb import Tissue
     from ngcell.geometry.tissues.polygons import PolygonTissue
@@ -67,6 +68,7 @@ _PLACES = {
     "ngcell.contact.methods.by_mortar": ("Mortar",),
     "ngcell.contact.methods.by_penalty": ("Penalty",),
     "ngcell.contact.methods.normal_law": ("NormalLaw",),
+    "ngcell.ensemble": ("members",),
     "ngcell.errors": (
         "CaseError", "DependencyError", "GeometryError", "NgcellError", "NotConverged", "OutputError",
     ),
@@ -158,6 +160,7 @@ __all__ = [
     "Traction",
     "View",
     "inspect",
+    "members",
     "read_case",
     "record",
     "register",

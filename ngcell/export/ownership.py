@@ -20,8 +20,8 @@ PROGRAM = "ngcell"
 CASE_FILE = "case.toml"
 _DRAFT = re.compile(r"\..+\.tmp")
 _WRITTEN = re.compile(
-    r"case\.toml|(history|walls|cells)\.csv|restart\.npz|tissue\.pvd|(tissue|walls)_\d{4,}\.vtu|"
-    r"(tissue|gap|debonding)\.png|\..+\.tmp"
+    r"case\.toml|(history|walls|cells|members|spread)\.csv|restart\.npz|tissue\.pvd|(tissue|walls)_\d{4,}\.vtu|"
+    r"(tissue|gap|debonding|spread)\.png|\..+\.tmp"
 )
 
 
