@@ -102,16 +102,17 @@ class Refinement(Generic[Scene]):
         Makes the scene on the mesh of a stage.
     accuracy : float
         Relative error that is asked for.
+
+    Attributes
+    ----------
+    estimates : bool
+        Whether errors are to be estimated, also where the machine has no room for the finer mesh that it takes.
     """
 
     def __init__(self, base: Scene, stages: Sequence[Stage], build: Callable[[Stage], Scene], accuracy: float) -> None:
         self._stages, self._build, self._accuracy = list(stages), build, accuracy
+        self.estimates = len(self._stages) > 1
         self._levels = [_Level(base)]
-
-    @property
-    def estimates(self) -> bool:
-        """Whether errors are estimated."""
-        return len(self._stages) > 1
 
     def table(self) -> tuple[dict[str, int], ...]:
         """Return order, grading and unknowns of the meshes that were used, the coarsest first."""

@@ -71,7 +71,7 @@ def stages_of(scene: AnyCase | BodyScene) -> tuple[Stage, ...]:
     """Return the meshes of a scene, the coarsest first."""
     mesh = scene if isinstance(scene, BodyScene) else scene.mesh
     given, grading, is_tissue = mesh.order, getattr(mesh, "grading", None), isinstance(scene, Case)
-    if isinf(scene.accuracy) or scene.cohesion is not None:
+    if not_estimated(scene):
         return (_stage(scene, mesh.plain_order, grading or 0),)
     if given is not None:
         return _stage(scene, given, grading or 0), _stage(scene, given + 1, grading or 0, is_reported=False)
@@ -81,6 +81,13 @@ def stages_of(scene: AnyCase | BodyScene) -> tuple[Stage, ...]:
     else:
         chosen = [(order, grading or 0) for order in range(2, HIGHEST_ORDER + 1)]
     return tuple(_stage(scene, *step) for step in chosen)
+
+
+def not_estimated(scene: AnyCase | BodyScene) -> str:
+    """Return why the errors of a scene are not estimated; empty where they are."""
+    if isinf(scene.accuracy):
+        return "accuracy = inf"
+    return "bonds remember how they were loaded" if scene.cohesion is not None else ""
 
 
 def _stage(scene: AnyCase | BodyScene, order: int, grading: int, *, is_reported: bool = True) -> Stage:
