@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from ngcell.ensemble import members
     from ngcell.errors import CaseError, DependencyError, GeometryError, NgcellError, NotConverged, OutputError
     from ngcell.geometry.tissues.honeycomb import Tissue
+    from ngcell.geometry.tissues.perturbed import Perturbed
     from ngcell.geometry.tissues.polygons import PolygonTissue
     from ngcell.geometry.user_bodies.block import Block
     from ngcell.geometry.user_bodies.disc import Disc
@@ -73,6 +74,7 @@ _PLACES = {
         "CaseError", "DependencyError", "GeometryError", "NgcellError", "NotConverged", "OutputError",
     ),
     "ngcell.geometry.tissues.honeycomb": ("Tissue",),
+    "ngcell.geometry.tissues.perturbed": ("Perturbed",),
     "ngcell.geometry.tissues.polygons": ("PolygonTissue",),
     "ngcell.geometry.user_bodies.block": ("Block",),
     "ngcell.geometry.user_bodies.disc": ("Disc",),
@@ -141,6 +143,7 @@ __all__ = [
     "OutputError",
     "OwnEnergy",
     "Penalty",
+    "Perturbed",
     "Plates",
     "PolygonTissue",
     "PrescribedMotion",
