@@ -30,11 +30,11 @@ from ngcell.results.record import StepRecord
 from ngcell.results.spread import Member, Spread, at_levels, spreads
 from ngcell.run import record, resume
 from ngcell.scene import (
-    DEFAULT_SPREAD,
     AnyCase,
     Case,
     MemberChoice,
     check_has_members,
+    geometry_share,
     member_of,
     read_case,
     resolved_toml,
@@ -84,10 +84,19 @@ class Ensemble:
         *,
         resumed: bool = False,
     ) -> None:
-        self.case, self.out, self.choice = check_has_members(case), Path(out), choice
+        self.case, self.out, self.choice = check_has_members(case, choice.spread), Path(out), choice
         self._options, self._resumed = options or RecordingOptions(), resumed
         self.members: list[Member] = []
         self.spreads: list[Spread] = []
+
+    @property
+    def share(self) -> float:
+        """Share of a side, or of a wall's thickness, by which members differ at most; infinite if nobody knows."""
+        return self._varied[0]
+
+    @property
+    def _varied(self) -> tuple[float, float]:
+        return geometry_share(self.case, self.choice.spread)
 
     @property
     def certified(self) -> bool:
@@ -114,7 +123,7 @@ class Ensemble:
                 else:
                     folder.count(sum(record is not None for record in member.levels))
                 self.members.append(member)
-                self.spreads = spreads(self.members, factors, self.choice.spread)
+                self.spreads = spreads(self.members, factors, *self._varied)
                 folder.keep(self.members, self.spreads, factors)
                 gc.collect()  # a scene is held by reference cycles, and the next one needs the memory
             folder.finish(self.members, self.spreads, self._summary())
@@ -190,7 +199,7 @@ def members(
     *,
     count: int = 8,
     seed: int = 0,
-    spread: float = DEFAULT_SPREAD,
+    spread: float | None = None,
     threads: int | None = None,
     force: bool = False,
     pictures: bool = True,
@@ -207,8 +216,10 @@ def members(
         Number of members, >= 2.
     seed : int
         Seed of the first, >= 0; the others follow one by one. The same seeds give the same numbers.
-    spread : float
-        Share by which geometries differ, in (0, 0.1]; see `ngcell.scene.members.member_of`.
+    spread : float, optional
+        Share of the side by which corners are displaced at most, and of their thickness by which walls deviate, in
+        (0, 0.1]; by default 0.001. Where the tissue of the case is drawn from a seed, members have other seeds, and
+        differ as it says.
     threads, force, pictures
         As for `ngcell.record`.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from math import isfinite
+from math import isfinite, isinf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -29,8 +29,9 @@ def members_lines(ensemble: Ensemble) -> Iterator[str]:
     """Yield the lines that the terminal shows of all members."""
     choice, members = ensemble.choice, ensemble.members
     counted = sum(member.certified for member in members)
+    differ = "other seeds of the tissue" if isinf(ensemble.share) else f"spread {ensemble.share:g}"
     seeds = f"seeds {choice.seeds[0]} to {choice.seeds[-1]}"
-    yield f"members      {counted} of {len(members)} certified, {seeds}, spread {choice.spread:g}"
+    yield f"members      {counted} of {len(members)} certified, {seeds}, {differ}"
     for member in members:
         if not member.certified:
             yield f"  seed {member.seed}: {member.outcome}"

@@ -19,7 +19,6 @@ from ngcell.cli.progress import silent_progress, step_progress
 from ngcell.cli.streams import note
 from ngcell.cli.summary import summary_lines
 from ngcell.errors import NotConverged
-from ngcell.scene.members import DEFAULT_SPREAD
 
 if TYPE_CHECKING:
     from ngcell.ensemble import Ensemble
@@ -68,8 +67,8 @@ def _finite(ctx: click.Context, parameter: click.Parameter, value: float | None)
     "--spread",
     metavar="SHARE",
     type=click.FloatRange(min=0, max=0.1, min_open=True),
-    help="Share of the geometry by which members differ, by default 0.001: the standard deviation of the walls' "
-    "thickness over their thickness.",
+    help="Share of the side by which corners are displaced at most, and of their thickness by which walls deviate, "
+    "by default 0.001. Tissues that are drawn from a seed differ as they say.",
 )
 @click.option("--quiet", "-q", is_flag=True, help="Show no progress.")
 @click.option("--verbose", "-v", is_flag=True, help="Show the log of the solver.")
@@ -108,7 +107,7 @@ def solve(
         raise click.UsageError("--members takes neither --resume DIR, which knows its members, nor --verify-penalty")
     scene, folder, accepted = _task(case, overrides, out, resume, suffix="" if members is None else "-members")
     if members is not None or holds_members(folder, resume):
-        given = {"count": members, "seed": seed or 0, "spread": spread or DEFAULT_SPREAD}
+        given = {"count": members, "seed": seed or 0, "spread": spread}
         options = {"threads": threads, "force": force, "max_minutes": max_minutes}
         _solve_members(scene, folder, given, options, quiet, verbose)
         return

@@ -2,8 +2,11 @@
 
 The estimated error is that of one equilibrium. Which equilibrium walls find may depend on the smallest change of the
 geometry; then members scatter by far more than the mesh explains, and more than the geometry itself does. Numbers that
-follow the geometry smoothly change by a few times the share by which it varies: the bending stiffness of a wall over
-its span, the most sensitive of them, goes with the cube of thickness over length, and each side has two ends.
+follow the geometry smoothly change by a few times the share by which it varies at most: the bending stiffness of a
+wall, the most sensitive of them, goes with the cube of thickness over length. With corners displaced evenly over a disc
+of this radius the lengths of sides have a standard deviation of the share over ``sqrt(2)``, and thicknesses that are
+distributed evenly one of it over ``sqrt(3)``. Gaps follow the places of corners besides, by the share of a side over
+``sqrt(2)``. Numbers of many walls scatter by less.
 """
 
 from __future__ import annotations
@@ -18,15 +21,15 @@ from ngcell.results.record import StepRecord
 
 #: A spread of more than so many estimated errors is not one of the mesh.
 BEYOND_ERROR = 3.0
-#: Most that a number follows the geometry by, as a multiple of the share by which the geometry varies.
-SMOOTH = 3 * sqrt(2)
+#: Most that a number scatters by as it follows the geometry, as a multiple of the share by which that varies.
+SMOOTH = 3 * sqrt(1 / 2 + 1 / 3)
 #: Numbers of a step, in the order of the tables; those with an error have it in the column after.
 _FIELDS = (
     "energy", "plate_force_x", "plate_force_y", "plate_force_z", "contact_force", "mean_gap", "largest_gap",
     "smallest_gap", "free_mean_gap", "free_largest_gap", "opened_share", "parted_pairs", "components",
     "largest_component", "separation_energy", "bonded_share", "dissipation",
 )  # fmt: skip
-_BRANCHES, _GEOMETRY = "neighbouring geometries end on other branches", "it follows the geometry as closely"
+_BRANCHES, _GEOMETRY = "neighbouring geometries end on other branches", "it follows the geometry"
 
 
 @dataclass(frozen=True)
@@ -122,7 +125,7 @@ def errors_of(record: StepRecord) -> dict[str, float]:
     return {**{name: float(getattr(record, f"{name}_error")) for name in same}, **force}
 
 
-def spreads(members: Sequence[Member], factors: Sequence[float], share: float) -> list[Spread]:
+def spreads(members: Sequence[Member], factors: Sequence[float], share: float, side: float) -> list[Spread]:
     """Return mean and spread of each number at each level.
 
     Parameters
@@ -132,17 +135,21 @@ def spreads(members: Sequence[Member], factors: Sequence[float], share: float) -
     factors : sequence of float
         Load factors of the levels.
     share : float
-        Share by which geometries differ.
+        Share of a side, or of the thickness, by which geometries differ at most; infinite where it is not known.
+    side : float
+        Side of the cells [length].
     """
     found = []
     for level, factor in enumerate(factors):
         records = [record for member in members if (record := member.levels[level]) and record.certified]
         for name in numbers_of(records[0]) if records else ():
-            found.append(_spread(level, factor, name, records, share))
+            found.append(_spread(level, factor, name, records, share, side))
     return found
 
 
-def _spread(level: int, factor: float, name: str, records: Sequence[StepRecord], share: float) -> Spread:
+def _spread(
+    level: int, factor: float, name: str, records: Sequence[StepRecord], share: float, side: float
+) -> Spread:
     values = np.array([numbers_of(record).get(name, nan) for record in records])
     error = float(np.mean([errors_of(record).get(name, nan) for record in records]))
     mean, deviation = float(values.mean()), float(values.std(ddof=1)) if len(values) > 1 else nan
@@ -151,6 +158,7 @@ def _spread(level: int, factor: float, name: str, records: Sequence[StepRecord],
     if isfinite(error) and deviation > BEYOND_ERROR * error:
         size = "plate_force" if name.startswith("plate_force") else name  # a part of a vector may vanish
         scale = abs(float(np.mean([numbers_of(record)[size] for record in records])))
-        remark = _BRANCHES if deviation > SMOOTH * share * scale else _GEOMETRY
+        smooth = share * (SMOOTH * scale + (side / sqrt(2) if name.endswith("gap") else 0.0))
+        remark = _BRANCHES if deviation > smooth else _GEOMETRY
     smallest, largest = float(values.min()), float(values.max())
     return Spread(level, factor, name, len(values), mean, deviation, smallest, largest, error, known_to, remark)

@@ -4,21 +4,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
-from random import Random
 from typing import Any
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from ngcell.errors import CaseError
 from ngcell.scene.bodies import BodyScene
 from ngcell.scene.case import Case
 from ngcell.scene.kinds import AnyCase
+from ngcell.scene.registry import group
 
-#: Share of the geometry by which members differ: small enough that what follows the geometry smoothly moves by less
-#: than the default accuracy.
+#: Share of the geometry by which members differ at most: small enough that what follows the geometry smoothly moves
+#: by less than the default accuracy.
 DEFAULT_SPREAD = 1e-3
 #: More is another scene.
 _LARGEST_SPREAD = 0.1
+#: Kinds of tissues: the one that has no seed and can be varied, and what it is then.
+_REGULAR, _PERTURBED = "honeycomb", "perturbed"
 
 
 @dataclass(frozen=True)
@@ -31,8 +33,9 @@ class MemberChoice:
         Number of members, >= 2.
     seed : int
         Seed of the first, >= 0; the others follow one by one, so that more members contain fewer.
-    spread : float
-        Share of the geometry by which they differ, in (0, 0.1].
+    spread : float, optional
+        Share of the geometry by which they differ, in (0, 0.1]; by default `DEFAULT_SPREAD`, and what the tissue says
+        where its cells are drawn from a seed.
 
     Raises
     ------
@@ -42,14 +45,14 @@ class MemberChoice:
 
     count: int = 8
     seed: int = 0
-    spread: float = DEFAULT_SPREAD
+    spread: float | None = None
 
     def __post_init__(self) -> None:
         for name, low, high in (("count", 2, inf), ("seed", 0, inf)):
             value = getattr(self, name)
             if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
                 raise CaseError(f"members: {name} = {value!r}; allowed: a whole number >= {low}")
-        if not 0 < self.spread <= _LARGEST_SPREAD:
+        if self.spread is not None and not 0 < self.spread <= _LARGEST_SPREAD:
             raise CaseError(f"members: spread = {self.spread!r}; allowed: 0 < spread <= {_LARGEST_SPREAD:g}")
 
     @property
@@ -58,42 +61,67 @@ class MemberChoice:
         return range(self.seed, self.seed + self.count)
 
 
-def member_of(case: AnyCase | BodyScene, seed: int, spread: float) -> Case:
-    """Return one member of a case: its wall is thicker or thinner by a share that is drawn with this seed.
+def member_of(case: AnyCase | BodyScene, seed: int, spread: float | None = None) -> Case:
+    """Return one member of a case, with the cells of this seed.
 
-    The share has a normal distribution of mean 0 and standard deviation `spread`. Expected numbers are those of the
-    case itself, and left out.
+    A honeycomb becomes a perturbed one, whose corners are displaced by at most `spread` of the side, and whose walls
+    are thicker or thinner by at most `spread` of their thickness. Cells that are drawn from a seed already are drawn
+    from this one. Expected numbers are those of the case itself, and left out.
 
     Raises
     ------
     CaseError
         If the scene has no cells that can be varied, or those of this seed are no tissue.
     """
-    case = check_has_members(case)
-    wall = case.tissue.wall * (1 + spread * Random(seed).gauss(0, 1))
-    return case.model_copy(update={"tissue": _changed(case.tissue, seed, {"wall": wall}), "expected": ()})
+    case = check_has_members(case, spread)
+    kind = type(case.tissue)
+    values = {name: getattr(case.tissue, name) for name in kind.model_fields if name != "kind"}
+    if not hasattr(case.tissue, "seed"):
+        share = DEFAULT_SPREAD if spread is None else spread
+        values |= {"spread": share, "wall_spread": share}
+        kind = group("tissue").section(_PERTURBED)
+    return case.model_copy(update={"tissue": _checked(kind, {**values, "seed": seed}), "expected": ()})
 
 
-def check_has_members(case: AnyCase | BodyScene) -> Case:
+def check_has_members(case: AnyCase | BodyScene, spread: float | None = None) -> Case:
     """Return a case whose geometry can be varied.
 
     Raises
     ------
     CaseError
-        If not.
+        If it cannot, or not by this spread.
     """
     if not isinstance(case, Case):
         raise CaseError("members differ in the cells of a tissue; this scene is of user-defined bodies and has none")
-    if not hasattr(case.tissue, "wall") or not hasattr(case.tissue, "model_copy"):
-        kind = getattr(case.tissue, "kind", type(case.tissue).__qualname__)
+    kind = getattr(case.tissue, "kind", type(case.tissue).__qualname__)
+    has_seed = hasattr(case.tissue, "seed")
+    if not (isinstance(case.tissue, BaseModel) and (has_seed or kind == _REGULAR)):
         raise CaseError(f"members differ in the cells of a tissue; those of tissue.kind = {kind!r} cannot be varied")
+    if has_seed and spread is not None:
+        raise CaseError(
+            f"members of tissue.kind = {kind!r} differ by its own keys and in their seed; "
+            "allowed: no spread for members, but one of the tissue"
+        )
     return case
 
 
-def _changed(tissue: Any, seed: int, values: dict[str, Any]) -> Any:
-    """Return a tissue with other values, checked."""
+def geometry_share(case: Case, spread: float | None) -> tuple[float, float]:
+    """Return the share of a side, or of the thickness, by which members differ at most, and the side [length].
+
+    The share is infinite where nobody knows.
+    """
+    tissue = case.tissue
+    if not hasattr(tissue, "seed"):
+        return DEFAULT_SPREAD if spread is None else spread, tissue.side
+    if tissue.kind == _PERTURBED:
+        return float(max(tissue.spread, tissue.wall_spread)), tissue.side
+    return inf, 1.0
+
+
+def _checked(kind: Any, values: dict[str, Any]) -> Any:
+    """Return a tissue with these values."""
     try:
-        return type(tissue)(**{**dict(tissue), **values})
+        return kind(**values)
     except ValidationError as error:
-        wrong = "; ".join(f"tissue.{'.'.join(map(str, one['loc']))}: {one['msg']}" for one in error.errors())
-        raise CaseError(f"member of seed {seed}: {wrong}") from None
+        wrong = "; ".join(f"{'.'.join(('tissue', *map(str, one['loc'])))}: {one['msg']}" for one in error.errors())
+        raise CaseError(f"member of seed {values['seed']}: {wrong}") from None
