@@ -29,16 +29,8 @@ from ngcell.recording import RecordingOptions
 from ngcell.results.record import StepRecord
 from ngcell.results.spread import Member, Spread, at_levels, spreads
 from ngcell.run import record, resume
-from ngcell.scene import (
-    AnyCase,
-    Case,
-    MemberChoice,
-    check_has_members,
-    geometry_share,
-    member_of,
-    read_case,
-    resolved_toml,
-)
+from ngcell.scene import AnyCase, Case, read_case, resolved_toml
+from ngcell.scene.members import MemberChoice, check_has_members, geometry_share, member_of
 from ngcell.solve.outcome import Outcome
 
 
@@ -121,7 +113,7 @@ class Ensemble:
                 if member is None:
                     member = yield from self._run(folder, number, seed, end)
                 else:
-                    folder.count(sum(record is not None for record in member.levels))
+                    folder.count(_steps_in(folder.member(number)))
                 self.members.append(member)
                 self.spreads = spreads(self.members, factors, *self._varied)
                 folder.keep(self.members, self.spreads, factors)
@@ -139,6 +131,7 @@ class Ensemble:
             return _refused(number, seed, error, len(factors))
         how = self._how(number, end)
         is_rest, accepted = self._resumed and _has_begun(out, case), False
+        folder.count(_steps_in(out) if is_rest else 0)
         recording = resume(out, **how) if is_rest else record(case, out, force=self._replaces, **how)
         try:
             for step in recording:
@@ -267,8 +260,13 @@ def _resumed(out: Path, options: RecordingOptions) -> Ensemble:
 def _has_begun(out: Path, case: Case) -> bool:
     """Return whether a folder holds accepted steps of this member, and not those of another run."""
     with suppress(OutputError):
-        return accepted_steps(out, read_summary(out)) > 0 and _is_of(out, case)
+        return _steps_in(out) > 0 and _is_of(out, case)
     return False
+
+
+def _steps_in(out: Path) -> int:
+    """Return the number of accepted steps in the folder of a member."""
+    return accepted_steps(out, read_summary(out))
 
 
 def _is_of(out: Path, case: Case) -> bool:

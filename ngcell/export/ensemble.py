@@ -18,7 +18,7 @@ from typing import Any, Self
 
 from ngcell.errors import OutputError
 from ngcell.export.atomic import output_errors, replace_file
-from ngcell.export.ownership import CASE_FILE, PROGRAM, claim_folder, clear_folder, holds_result
+from ngcell.export.ownership import CASE_FILE, PROGRAM, claim_folder, clear_folder, held_already, holds_result
 from ngcell.export.spread import draw_spread
 from ngcell.export.summary import CASE_TEXT, MEMBERS, SUMMARY, write_summary
 from ngcell.results.spread import Member, Spread, errors_of, numbers_of
@@ -60,30 +60,33 @@ class EnsembleFolder:
     ) -> None:
         self.path, self._case_text, self._told = Path(path), case_text, dict(told)
         self._force, self._resumed, self._pictures = force, resumed, pictures
-        self._accepted, self._finished = 0, False
+        self._accepted, self._is_open, self._finished = 0, False, False
 
     def __enter__(self) -> Self:
         self._lock = claim_folder(self.path)
         try:
-            if holds_result(self.path) and not (self._force or self._resumed):
-                raise OutputError(
-                    f"{self.path} holds the accepted steps of an earlier run; "
-                    "replace them with --force (from Python: force=True) or choose another folder"
-                )
-            if not self._resumed:
-                clear_folder(self.path)
-            self._note("running")
-            replace_file(self.path / CASE_FILE, self._case_text.encode())
+            if self._resumed or not holds_result(self.path):
+                self._begin()
+            elif not self._force:
+                raise held_already(self.path)
         except BaseException:
             self._lock.release()
             raise
         return self
 
+    def _begin(self) -> None:
+        """Make the folder that of these members: whatever ends them from here on, they can be resumed."""
+        self._is_open = True
+        self._note("running")
+        if not self._resumed:
+            clear_folder(self.path)
+        replace_file(self.path / CASE_FILE, self._case_text.encode())
+
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         try:
-            if not self._finished:
+            if self._is_open and not self._finished:
                 reason = str(error) or type(error).__name__ if error is not None else "not finished"
                 with suppress(OutputError):  # the error that ends the run matters more than the note of it
                     self._note("stopped", reason=reason)
@@ -95,19 +98,26 @@ class EnsembleFolder:
         return member_folder(self.path, number)
 
     def count(self, steps: int) -> None:
-        """Note that further steps have been accepted: a later run then asks before it replaces them."""
-        first = self._accepted == 0
-        self._accepted += steps
-        if first and steps:
+        """Note that further steps have been accepted: an earlier result gives way to the first of them."""
+        if not steps:
+            return
+        if not self._is_open:
+            self._begin()
+        first, self._accepted = self._accepted == 0, self._accepted + steps
+        if first:  # a later run asks before it replaces them
             self._note("running")
 
     def keep(self, members: Sequence[Member], spreads: Sequence[Spread], factors: Sequence[float]) -> None:
-        """Write the tables of the members so far."""
+        """Write the tables of the members so far; none before a step is accepted where an earlier result is."""
+        if not self._is_open:
+            return
         replace_file(self.path / "members.csv", _csv(_member_rows(members, factors)))
         replace_file(self.path / "spread.csv", _csv(_spread_rows(spreads)))
 
     def finish(self, members: Sequence[Member], spreads: Sequence[Spread], summary: Mapping[str, Any]) -> None:
         """Draw the picture and write the summary of the ended run; members of an earlier, larger run are removed."""
+        if not self._is_open:
+            return
         if self._pictures and spreads:
             draw_spread(members, spreads, self.path / "spread.png")
         number = len(members)

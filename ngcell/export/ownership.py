@@ -52,6 +52,14 @@ def holds_result(path: Path) -> bool:
     return accepted_steps(path, summary) > 0 if counted else True
 
 
+def held_already(path: Path) -> OutputError:
+    """Return the error that says that a folder is left as it is."""
+    return OutputError(
+        f"{path} holds the accepted steps of an earlier run; "
+        "replace them with --force (from Python: force=True) or choose another folder"
+    )
+
+
 def restore_case(path: Path, summary: Mapping[str, Any]) -> None:
     """Write the case of a run that was stopped just before it wrote it.
 
