@@ -12,8 +12,10 @@ if TYPE_CHECKING:
     from ngcell.contact.methods.by_mortar import Mortar
     from ngcell.contact.methods.by_penalty import Penalty
     from ngcell.contact.methods.normal_law import NormalLaw
+    from ngcell.ensemble import members
     from ngcell.errors import CaseError, DependencyError, GeometryError, NgcellError, NotConverged, OutputError
     from ngcell.geometry.tissues.honeycomb import Tissue
+    from ngcell.geometry.tissues.perturbed import Perturbed
     from ngcell.geometry.tissues.polygons import PolygonTissue
     from ngcell.geometry.user_bodies.block import Block
     from ngcell.geometry.user_bodies.disc import Disc
@@ -67,10 +69,12 @@ _PLACES = {
     "ngcell.contact.methods.by_mortar": ("Mortar",),
     "ngcell.contact.methods.by_penalty": ("Penalty",),
     "ngcell.contact.methods.normal_law": ("NormalLaw",),
+    "ngcell.ensemble": ("members",),
     "ngcell.errors": (
         "CaseError", "DependencyError", "GeometryError", "NgcellError", "NotConverged", "OutputError",
     ),
     "ngcell.geometry.tissues.honeycomb": ("Tissue",),
+    "ngcell.geometry.tissues.perturbed": ("Perturbed",),
     "ngcell.geometry.tissues.polygons": ("PolygonTissue",),
     "ngcell.geometry.user_bodies.block": ("Block",),
     "ngcell.geometry.user_bodies.disc": ("Disc",),
@@ -139,6 +143,7 @@ __all__ = [
     "OutputError",
     "OwnEnergy",
     "Penalty",
+    "Perturbed",
     "Plates",
     "PolygonTissue",
     "PrescribedMotion",
@@ -158,6 +163,7 @@ __all__ = [
     "Traction",
     "View",
     "inspect",
+    "members",
     "read_case",
     "record",
     "register",

@@ -17,7 +17,7 @@ from ngcell.contact.surface.find import find_surface
 from ngcell.contact.surface.surface import Surface
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.lattice import Lattice, hexagonal_lattice
-from ngcell.geometry.rings import ring_mesh
+from ngcell.geometry.sections import ring_mesh
 from ngcell.mechanics.bulk import BodyEnergy
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.space import DisplacementSpace
@@ -126,7 +126,7 @@ def small_tissue(
     lattice = hexagonal_lattice(rows, cols, side=1.0, pointy=pointy)
     if supports is None:
         supports = {"low": lattice.hull_walls(0, -1), "high": lattice.hull_walls(rows - 1, 1)}
-    bodies = ring_mesh(lattice, wall=wall, radius=radius, edges=edges, layers=1, supports=supports)
+    bodies = ring_mesh(lattice.outlines, wall=wall, radius=radius, edges=edges, layers=1, supports=supports)
     space = DisplacementSpace(bodies, order)
     return SmallTissue(lattice, bodies, space, plates(space, supports, np.array(prescribed_displacement)))
 

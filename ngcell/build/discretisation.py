@@ -14,7 +14,7 @@ from ngcell.build.foreseen import check_bodies_fit, check_magnitudes, check_tiss
 from ngcell.errors import CaseError
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.prisms import along_and_up
-from ngcell.geometry.rings import along_walls
+from ngcell.geometry.sections import along_walls
 from ngcell.geometry.shapes import check_boundaries, mesh_shapes
 from ngcell.mechanics.applied.potential import AppliedLoads
 from ngcell.mechanics.bulk import BodyEnergy

@@ -22,7 +22,7 @@ from ngcell.mechanics.transfer import transferred
 from ngcell.problem.problem import Problem
 from ngcell.problem.state import State
 from ngcell.results.equilibrium import Setup, numbers_of
-from ngcell.results.error import Errors, Numbers, estimate
+from ngcell.results.error import Errors, Numbers, Refining, estimate
 from ngcell.solve.effort import OutOfIterations
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.proximal import ProximalTerm
@@ -102,16 +102,17 @@ class Refinement(Generic[Scene]):
         Makes the scene on the mesh of a stage.
     accuracy : float
         Relative error that is asked for.
+
+    Attributes
+    ----------
+    estimates : bool
+        Whether errors are to be estimated, also where the machine has no room for the finer mesh that it takes.
     """
 
     def __init__(self, base: Scene, stages: Sequence[Stage], build: Callable[[Stage], Scene], accuracy: float) -> None:
         self._stages, self._build, self._accuracy = list(stages), build, accuracy
+        self.estimates = len(self._stages) > 1
         self._levels = [_Level(base)]
-
-    @property
-    def estimates(self) -> bool:
-        """Whether errors are estimated."""
-        return len(self._stages) > 1
 
     def table(self) -> tuple[dict[str, int], ...]:
         """Return order, grading and unknowns of the meshes that were used, the coarsest first."""
@@ -147,15 +148,15 @@ class Refinement(Generic[Scene]):
         last = Refined(0, self._levels[0].simulation, accepted, Errors(), is_judged)
         if not self.estimates:
             return last
-        found = [self._numbers(last)]
+        found, refined = [self._numbers(last)], list[Refining]()
         while True:
             finer = self._next(last)
             if finer is None:
                 return last
             found.append(self._numbers(finer))
-            remains = self._stages[finer.level].remains(self._stages[last.level], self._exponent)
+            refined.append(self._stages[finer.level].refining(self._stages[last.level], self._exponent))
             is_reported = self._stages[finer.level].is_reported
-            errors = estimate(found, remains, of_last=is_reported)
+            errors = estimate(found, refined, of_last=is_reported)
             _log.info("mesh %d: energy %.6e, estimated error %.1e", finer.level, found[-1].energy, errors.relative)
             if not is_reported:
                 effort = finer.accepted.effort

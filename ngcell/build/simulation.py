@@ -19,7 +19,7 @@ from ngcell.build.options import Options
 from ngcell.build.problems import OwnTerm, Problems
 from ngcell.build.refinement import Refined, Refinement
 from ngcell.build.reported import Mesh, Step
-from ngcell.build.stages import Stage, stages_of
+from ngcell.build.stages import Stage, not_estimated, stages_of
 from ngcell.clock import Clock
 from ngcell.mechanics.term import Configuration
 from ngcell.mechanics.transfer import transferred
@@ -90,6 +90,11 @@ class Simulation(Problems):
             observables=(*self._case.observables, *observables),
             mesh=Mesh(stages[0].order, stages[0].grading, self.space.unknowns),
         )
+
+    @property
+    def not_estimated(self) -> str:
+        """Why the errors of this scene are not estimated; empty where they are."""
+        return not_estimated(self._case)
 
     @property
     def strategy(self) -> Strategy:

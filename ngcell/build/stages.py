@@ -19,14 +19,14 @@ import numpy as np
 from ngcell.geometry.rings import GRADE
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.term import Array
+from ngcell.results.error import Refining
 from ngcell.results.places import element_type, map_points
 from ngcell.scene import AnyCase, BodyScene, Case
 from ngcell.scene.mesh import HIGHEST_ORDER
 
-#: Order and grading of the meshes of a tissue, one after the other. The fourth order without a second grade, whose
-#: error is 1 to 2 % in a tissue, is left out where a higher accuracy is asked for, the finest where a lower one is.
-_TISSUE = ((2, 1), (3, 1), (4, 1), (4, 2), (5, 2), (6, 3))
-_COARSE, _OF_COARSE, _FINE = (4, 1), 0.02, 0.005
+#: Order and grading of the meshes of a tissue, one after the other: what a grade leaves of an error is known only from
+#: the step in order before it. The finest is left out where a low accuracy is asked for.
+_TISSUE, _FINE = ((2, 1), (3, 1), (4, 1), (4, 2), (5, 2), (6, 3)), 0.005
 #: Exponents of the displacement's growth with the distance from the end of a contact, and from a corner that is held on
 #: one side (Williams, J. Appl. Mech. 19, 1952); angles in radians from which on an outline is re-entrant, and up to
 #: which it has a corner.
@@ -57,30 +57,37 @@ class Stage:
     grading: int
     is_reported: bool = True
 
-    def remains(self, before: Stage, exponent: float) -> float:
-        """Return which share of the error of a coarser stage is left, if a singularity of this exponent rules it.
+    def refining(self, before: Stage, exponent: float) -> Refining:
+        """Return how it is finer than the stage before, if a singularity of this exponent rules the error.
 
         Energies err by h**(2 exponent) in the size of the elements at the singularity, and by p**(-4 exponent) in
         their order (Babuska and Suri, SIAM Rev. 36, 1994, doi:10.1137/1036141).
         """
         in_order = (before.order / self.order) ** (4 * exponent)
-        return float(in_order * GRADE ** (2 * exponent * (self.grading - before.grading)))
+        grades = self.grading - before.grading
+        return Refining(float(in_order * GRADE ** (2 * exponent * grades)), is_graded=grades > 0)
 
 
 def stages_of(scene: AnyCase | BodyScene) -> tuple[Stage, ...]:
     """Return the meshes of a scene, the coarsest first."""
     mesh = scene if isinstance(scene, BodyScene) else scene.mesh
     given, grading, is_tissue = mesh.order, getattr(mesh, "grading", None), isinstance(scene, Case)
-    if isinf(scene.accuracy) or scene.cohesion is not None:
+    if not_estimated(scene):
         return (_stage(scene, mesh.plain_order, grading or 0),)
     if given is not None:
         return _stage(scene, given, grading or 0), _stage(scene, given + 1, grading or 0, is_reported=False)
     if is_tissue and grading is None:
-        chosen = [step for step in _TISSUE if step != _COARSE or scene.accuracy > _OF_COARSE]
-        chosen = chosen if scene.accuracy < _FINE else chosen[:-1]
+        chosen = list(_TISSUE if scene.accuracy < _FINE else _TISSUE[:-1])
     else:
         chosen = [(order, grading or 0) for order in range(2, HIGHEST_ORDER + 1)]
     return tuple(_stage(scene, *step) for step in chosen)
+
+
+def not_estimated(scene: AnyCase | BodyScene) -> str:
+    """Return why the errors of a scene are not estimated; empty where they are."""
+    if isinf(scene.accuracy):
+        return "accuracy = inf"
+    return "bonds remember how they were loaded" if scene.cohesion is not None else ""
 
 
 def _stage(scene: AnyCase | BodyScene, order: int, grading: int, *, is_reported: bool = True) -> Stage:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from ngcell.cli.streams import note
 from ngcell.cli.summary import with_error
@@ -16,13 +16,17 @@ if TYPE_CHECKING:
 
     from ngcell.results.record import StepRecord
 
-ShowStep = Callable[["StepRecord"], None]
+
+class ShowStep(Protocol):
+    """Shows an accepted step; `of` says whose, where there is more than one run."""
+
+    def __call__(self, record: StepRecord, of: str = "") -> None: ...
 
 
 @contextmanager
 def silent_progress() -> Iterator[ShowStep]:
     """Show nothing."""
-    yield lambda record: None
+    yield lambda record, of="": None
 
 
 @contextmanager
@@ -30,13 +34,13 @@ def step_progress() -> Iterator[ShowStep]:
     """Show each accepted step as a line and, on a terminal, a live line for the current step below them."""
     console = _live_console()
     if console is None:
-        yield lambda record: note(step_line(record))
+        yield lambda record, of="": note(of + step_line(record))
         return
     with console.status("building the scene") as status:
 
-        def show(record: StepRecord) -> None:
-            console.print(step_line(record), markup=False, soft_wrap=True)
-            status.update(f"solving beyond load {record.load_factor:.4f} (Ctrl-C stops and keeps the steps)")
+        def show(record: StepRecord, of: str = "") -> None:
+            console.print(of + step_line(record), markup=False, soft_wrap=True)
+            status.update(f"{of}solving beyond load {record.load_factor:.4f} (Ctrl-C stops and keeps the steps)")
 
         yield show
 

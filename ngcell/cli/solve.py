@@ -6,6 +6,7 @@ import atexit
 import gc
 import logging
 import sys
+from collections.abc import Mapping
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -13,12 +14,14 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import click
 
 from ngcell.cli.arguments import set_option
+from ngcell.cli.members import holds_members, members_lines
 from ngcell.cli.progress import silent_progress, step_progress
 from ngcell.cli.streams import note
 from ngcell.cli.summary import summary_lines
 from ngcell.errors import NotConverged
 
 if TYPE_CHECKING:
+    from ngcell.ensemble import Ensemble
     from ngcell.recording import Recording
     from ngcell.scene import AnyCase
 
@@ -53,6 +56,20 @@ def _finite(ctx: click.Context, parameter: click.Parameter, value: float | None)
 @click.option(
     "--verify-penalty", is_flag=True, help="Repeat the last level with a stiffer penalty and report what changes."
 )
+@click.option(
+    "--members",
+    metavar="N",
+    type=click.IntRange(min=2),
+    help="Run N members of the case, whose geometries differ a little, and tell mean and spread of each number.",
+)
+@click.option("--seed", type=click.IntRange(min=0), help="Seed of the first member, by default 0; the others follow.")
+@click.option(
+    "--spread",
+    metavar="SHARE",
+    type=click.FloatRange(min=0, max=0.1, min_open=True),
+    help="Share of the side by which corners are displaced at most, and of their thickness by which walls deviate, "
+    "by default 0.001. Tissues that are drawn from a seed differ as they say.",
+)
 @click.option("--quiet", "-q", is_flag=True, help="Show no progress.")
 @click.option("--verbose", "-v", is_flag=True, help="Show the log of the solver.")
 def solve(
@@ -64,6 +81,9 @@ def solve(
     max_minutes: float | None,
     threads: int | None,
     verify_penalty: bool,
+    members: int | None,
+    seed: int | None,
+    spread: float | None,
     quiet: bool,
     verbose: bool,
 ) -> None:
@@ -72,11 +92,25 @@ def solve(
     Results are written during the run: a run that is stopped keeps every step that it accepted, and --resume
     computes the rest. A folder that holds accepted steps of an earlier run is left as it is, unless --force is given;
     even then they stay until the new run accepts its first step.
+
+    With --members the folder (by default out/<case name>-members) holds one result for each member, members.csv with
+    their numbers, and spread.csv with mean, standard deviation, smallest and largest value of each number at each
+    level. Members that are not certified are told and do not count. Seeds S, S + 1, ... give the same members again;
+    --resume runs those that are missing.
     """
     _collect_garbage_rarely()
     if resume is not None and force:
         raise click.UsageError("--resume DIR replaces nothing: no --force")
-    scene, folder, accepted = _task(case, overrides, out, resume)
+    if members is None and (seed is not None or spread is not None):
+        raise click.UsageError("--seed and --spread say which members are run: together with --members N only")
+    if members is not None and (resume is not None or verify_penalty):
+        raise click.UsageError("--members takes neither --resume DIR, which knows its members, nor --verify-penalty")
+    scene, folder, accepted = _task(case, overrides, out, resume, suffix="" if members is None else "-members")
+    if members is not None or holds_members(folder, resume):
+        given = {"count": members, "seed": seed or 0, "spread": spread}
+        options = {"threads": threads, "force": force, "max_minutes": max_minutes}
+        _solve_members(scene, folder, given, options, quiet, verbose)
+        return
     how: dict[str, Any] = {"threads": threads, "verify_penalty": verify_penalty, "max_minutes": max_minutes}
     try:
         from ngcell import run
@@ -102,8 +136,36 @@ def solve(
         _give_up("not certified", accepted, folder)
 
 
+def _solve_members(
+    scene: AnyCase | None,
+    folder: Path,
+    choice: Mapping[str, Any],
+    options: Mapping[str, Any],
+    quiet: bool,
+    verbose: bool,
+) -> None:
+    """Run members of a case, or without one those that are missing in a folder, and tell what they have in common."""
+    ensemble = None
+    try:
+        from ngcell.ensemble import ensemble_of
+
+        with silent_progress() if quiet else step_progress() as show:
+            _log_to_stderr(logging.INFO if verbose else logging.WARNING)
+            ensemble = ensemble_of(scene, folder, choice, options)
+            for number, record in ensemble:
+                show(record, f"member {number + 1} of {ensemble.choice.count}  ")
+    except KeyboardInterrupt:
+        _give_up_members("stopped by Ctrl-C", ensemble, folder)
+    except NotConverged as error:
+        _give_up_members(str(error), ensemble, folder)
+    for line in members_lines(ensemble):
+        click.echo(line)
+    if not ensemble.certified:
+        _give_up_members("not all members are certified", ensemble, folder)
+
+
 def _task(
-    case: str | None, overrides: tuple[str, ...], out: Path | None, resume: Path | None
+    case: str | None, overrides: tuple[str, ...], out: Path | None, resume: Path | None, *, suffix: str = ""
 ) -> tuple[AnyCase | None, Path, int]:
     """Return the case, None to resume a run, the result folder, and the number of steps accepted before."""
     if resume is not None:
@@ -114,7 +176,7 @@ def _task(
         raise click.UsageError("a CASE to solve, or --resume DIR, is missing")
     from ngcell.scene import case_name, find_case, read_case
 
-    return read_case(case, overrides), out or Path("out") / case_name(find_case(case)), 0
+    return read_case(case, overrides), out or Path("out") / f"{case_name(find_case(case))}{suffix}", 0
 
 
 def _accepted_before(folder: Path) -> int:
@@ -137,6 +199,12 @@ def _collect_garbage_rarely() -> None:
 
 def _log_to_stderr(level: int) -> None:
     logging.basicConfig(level=level, format="%(name)s: %(message)s", stream=sys.stderr)
+
+
+def _give_up_members(reason: str, ensemble: Ensemble | None, folder: Path) -> NoReturn:
+    ended = len(ensemble.members) if ensemble else 0
+    note(f"{reason}; members that have ended, kept in {folder}: {ended}")
+    sys.exit(NotConverged.exit_code)
 
 
 def _give_up(reason: str, accepted: int, folder: Path) -> NoReturn:

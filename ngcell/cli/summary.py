@@ -15,7 +15,9 @@ def summary_lines(recording: Recording, folder: Path) -> Iterator[str]:
     """Yield the lines that the terminal shows of a finished run."""
     yield f"outcome      {recording.outcome}"
     passed = recording.certified or _missed_expected_only(recording.summary)
-    yield f"certificate  {'passed' if passed else 'NOT PASSED'}"
+    reason = recording.summary.get("error_not_estimated")
+    untold = f"; error not estimated: {reason}" if reason else ""
+    yield f"certificate  {'passed' if passed else 'NOT PASSED'}{untold}"
     yield from table_lines(recording.summary.get("certificate", {}), indent=2)
     yield from error_lines(recording.summary)
     yield from expected_lines(recording.summary.get("expected", ()))
@@ -24,12 +26,12 @@ def summary_lines(recording: Recording, folder: Path) -> Iterator[str]:
 
 
 def error_lines(summary: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the numbers of the last step with their estimated errors; a line that says so where there are none."""
+    """Yield the numbers of the last step with their estimated errors; a line that says so where one is missing."""
     last = summary.get("last_step")
-    if last is None:
+    if last is None or summary.get("error_not_estimated"):
         return
     if not isfinite(last["energy_error"]):
-        yield "last step    errors were not estimated"
+        yield "last step    its error could not be estimated"
         return
     yield "last step    with estimated errors"
     size = hypot(*(last[f"plate_force_{axis}"] for axis in "xyz"))

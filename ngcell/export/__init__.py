@@ -5,16 +5,18 @@ VTK, pyvista and matplotlib are imported inside the functions that need them, so
 
 from ngcell.export.curves import draw_curves
 from ngcell.export.debonding import draw_debonding
+from ngcell.export.ensemble import EnsembleFolder, spread_table
 from ngcell.export.folder import ResultFolder
 from ngcell.export.ownership import restore_case
 from ngcell.export.picture import draw_tissue
 from ngcell.export.restart import Restart, cannot_resume, read_restart
 from ngcell.export.series import SnapshotSeries, read_last_snapshot
 from ngcell.export.summary import accepted_steps, read_summary, write_summary
-from ngcell.export.tables import RecordTable
+from ngcell.export.tables import RecordTable, read_records
 from ngcell.export.view import show
 
 __all__ = [
+    "EnsembleFolder",
     "RecordTable",
     "Restart",
     "ResultFolder",
@@ -25,9 +27,11 @@ __all__ = [
     "draw_debonding",
     "draw_tissue",
     "read_last_snapshot",
+    "read_records",
     "read_restart",
     "read_summary",
     "restore_case",
     "show",
+    "spread_table",
     "write_summary",
 ]

@@ -23,7 +23,7 @@ from ngcell.errors import OutputError
 from ngcell.export.atomic import output_errors, replace_file
 from ngcell.export.curves import draw_curves
 from ngcell.export.debonding import PairOnset, draw_debonding, read_last_pairs
-from ngcell.export.ownership import CASE_FILE, PROGRAM, claim_folder, clear_folder, holds_result
+from ngcell.export.ownership import CASE_FILE, PROGRAM, claim_folder, clear_folder, held_already, holds_result
 from ngcell.export.picture import draw_tissue
 from ngcell.export.restart import RESTART, Restart, cannot_resume, read_restart, write_restart
 from ngcell.export.series import SnapshotSeries, read_last_snapshot
@@ -94,10 +94,7 @@ class ResultFolder:
             elif not holds_result(self.path):
                 self._begin()
             elif not self._force:
-                raise OutputError(
-                    f"{self.path} holds the accepted steps of an earlier run; "
-                    "replace them with --force (from Python: force=True) or choose another folder"
-                )
+                raise held_already(self.path)
         except BaseException:
             self._lock.release()
             raise

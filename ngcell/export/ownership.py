@@ -20,8 +20,8 @@ PROGRAM = "ngcell"
 CASE_FILE = "case.toml"
 _DRAFT = re.compile(r"\..+\.tmp")
 _WRITTEN = re.compile(
-    r"case\.toml|(history|walls|cells)\.csv|restart\.npz|tissue\.pvd|(tissue|walls)_\d{4,}\.vtu|"
-    r"(tissue|gap|debonding)\.png|\..+\.tmp"
+    r"case\.toml|(history|walls|cells|members|spread)\.csv|restart\.npz|tissue\.pvd|(tissue|walls)_\d{4,}\.vtu|"
+    r"(tissue|gap|debonding|spread)\.png|\..+\.tmp"
 )
 
 
@@ -50,6 +50,14 @@ def holds_result(path: Path) -> bool:
     summary = read_summary(path)
     counted = "accepted_steps" in summary or summary.get("status") != "finished"
     return accepted_steps(path, summary) > 0 if counted else True
+
+
+def held_already(path: Path) -> OutputError:
+    """Return the error that says that a folder is left as it is."""
+    return OutputError(
+        f"{path} holds the accepted steps of an earlier run; "
+        "replace them with --force (from Python: force=True) or choose another folder"
+    )
 
 
 def restore_case(path: Path, summary: Mapping[str, Any]) -> None:

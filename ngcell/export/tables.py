@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import fields
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar, get_type_hints
 
 import numpy as np
 
@@ -149,6 +149,32 @@ class RecordTable(Generic[Record]):
         while content:  # a nearly full disk takes a part before it refuses the rest
             content = content[self._file.write(content) :]
         os.fsync(self._file.fileno())
+
+
+def read_records(path: Path, record_type: type[Record]) -> list[Record]:
+    """Read the rows of a table of whole rows, as they were written.
+
+    Raises
+    ------
+    OutputError
+        If there is none, or it is not of this record class.
+    """
+    types = {name: kind for name, kind in get_type_hints(record_type).items() if name != _MORE}
+    try:
+        with Path(path).open(newline="", encoding="utf-8") as file:
+            return [_record_of(row, record_type, types) for row in csv.DictReader(file)]
+    except OSError as error:
+        raise OutputError(f"cannot read {path}: {error.strerror}") from error
+    except (ValueError, KeyError, TypeError, UnicodeDecodeError) as error:
+        raise OutputError(f"{path} is not the table that it was: {error}") from error
+
+
+def _record_of(row: Mapping[str, str], record_type: type[Record], types: Mapping[str, Any]) -> Record:
+    read: dict[Any, Any] = {bool: lambda text: text == "True", int: int, float: float}
+    values = {name: read.get(kind, str)(row[name]) for name, kind in types.items()}
+    if _MORE in {column.name for column in fields(record_type)}:  # type: ignore[arg-type]
+        values[_MORE] = {name: float(text) for name, text in row.items() if name not in types}
+    return record_type(**values)
 
 
 def _more_of(record: object) -> Mapping[str, Any]:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ngcell.errors import GeometryError
 from ngcell.geometry.boundaries import NETGEN_ERRORS
 from ngcell.geometry.near import components
-from ngcell.geometry.rings import int32
+from ngcell.geometry.sections import int32
 from ngcell.geometry.sizes import sizes
 
 Array = NDArray[np.float64]

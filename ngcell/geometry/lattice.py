@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.geometry.near import near_pairs
+from ngcell.geometry.outlines import Outlines
 
 WALLS = 6
 
@@ -65,6 +66,14 @@ class Lattice:
         beyond = np.full(count * WALLS, -1)
         beyond[wall[is_wall] - count] = cell[is_wall]
         return beyond.reshape(-1, WALLS)
+
+    @cached_property
+    def outlines(self) -> Outlines:
+        """Outlines of the cells; wall k of a cell starts at its corner k."""
+        opposite = (np.arange(WALLS) + WALLS // 2) % WALLS
+        twins = np.where(self.neighbours < 0, -1, WALLS * self.neighbours + opposite)
+        corners = self.centres[:, None] + self.corners
+        return Outlines(corners.reshape(-1, 2), np.full(len(self.centres), WALLS), twins.ravel())
 
     def hull_walls(self, row: int, upward: float) -> NDArray[np.bool_]:
         """Return which walls of a row lie on the hull and face up (`upward` = 1) or down (-1); (cells, 6)."""

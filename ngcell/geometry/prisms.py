@@ -19,7 +19,7 @@ from netgen.meshing import FaceDescriptor, Mesh
 from numpy.typing import NDArray
 
 from ngcell.geometry.bodies import BETWEEN, FILLING, LOWER_END, UPPER_END, BodyMesh
-from ngcell.geometry.rings import Section, along_walls, int32
+from ngcell.geometry.sections import Section, along_walls, int32
 
 Index = NDArray[np.int64]
 
@@ -78,8 +78,10 @@ def prism_mesh(*sections: Section, height: float, slices: int, end_wall: float |
     counts = [len(elements) for _, elements in solids]
     is_end_wall = None
     if section.caps is not None:
-        ring = len(section.regions[0][1]) * last
-        is_end_wall = np.concatenate([(np.arange(len(part)) >= ring) & (name != FILLING) for name, part in solids])
+        rings = [len(quads) * last for name, quads in section.regions if name != FILLING] * layers
+        inner_count = sum(counts) - sum(counts[: len(rings)])
+        ends = [np.arange(count) >= ring for count, ring in zip(counts, rings, strict=False)]
+        is_end_wall = np.concatenate([*ends, np.zeros(inner_count, dtype=bool)])
     return section.body_mesh(mesh, counts, thickness, layers=layers, wall_names=walls, is_end_wall=is_end_wall)
 
 

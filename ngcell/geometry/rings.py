@@ -1,10 +1,12 @@
-"""Hollow hexagonal cells as rings of quadrilaterals, written straight into a Netgen mesh.
+"""Hollow cells as rings of quadrilaterals, swept along their outlines.
 
 A structured ring needs a fifth of the unknowns of a triangulation with the same bending error, matches its
-neighbours node by node, and takes milliseconds. Coincident walls have coincident but separate nodes.
+neighbours node by node, and takes milliseconds. The lumen is the outline moved inwards by the thickness of the wall,
+each corner along its bisector; nodes stand at the same shares of a side of both.
 
-A corner radius rounds the outer wall only; the arc is resolved by straight edges (`ARC_EDGES` to half a corner),
-which lie inside the true arc by less than one percent of the radius.
+A corner radius rounds convex corners of the outer wall only; the arc is resolved by straight edges (`ARC_EDGES` to half
+a corner), which lie inside the true arc by less than one percent of the radius of a hexagon's. Whatever its angle, a
+corner loses the same length of wall on both sides: so neighbours part at the same node.
 
 Stresses are singular at the corners of the lumen, which are re-entrant. Graded elements shrink towards them
 geometrically, along the wall and through it: each grade adds a node on both sides of a corner, and from the second on a
@@ -16,16 +18,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import cached_property
 
-import ngsolve
 import numpy as np
-from netgen.meshing import Mesh
 from numpy.typing import NDArray
 
-from ngcell.geometry.bodies import FILLING, LUMEN, BodyMesh
-from ngcell.geometry.filling import lumen_quads
-from ngcell.geometry.lattice import WALLS, Lattice
+from ngcell.geometry.outlines import Outlines, following
 
 ARC_EDGES = 2
 #: Ratio of the sizes of elements from one grade to the next; 0.15 to 0.2 is best for corners (Schwab 1998, 4.5).
@@ -33,18 +31,89 @@ GRADE = 0.2
 #: Largest share of a side from a corner to the first graded node; ratio of distances that leaves no sliver; digits in
 #: which places along a wall differ.
 _WIDEST, _SLIVER, _DIGITS = 0.25, 1.3, 12
+#: Angle in radians below which a corner is none: nothing is rounded there.
+_STRAIGHT = 1e-3
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 
-def wall_parameters(side: float, radius: float, edges: int, corner: Sequence[float] = ()) -> Array:
-    """Return where nodes sit along one wall of the sharp hexagon, in [-1/2, 1/2) of the side.
+@dataclass(frozen=True, eq=False)
+class Rings:
+    """Nodes of the rings of all cells.
 
-    With a radius the ends of the straight part are nodes, and `ARC_EDGES` edges follow to each corner. Distances from
-    both corners at which elements are graded, in units of the side and the largest first, leave so many edges between
-    the first of them.
+    Attributes
+    ----------
+    nodes : array of float, shape (layers + 1, nodes, 2)
+        Nodes of each layer, the outermost first, cell by cell and anticlockwise [length].
+    side : array of int, shape (nodes,)
+        Side of the outlines that each node of a layer stands on; the first node of a side is its corner.
+    counts : array of int, shape (cells,)
+        Number of nodes of each cell's layers.
     """
-    arc = radius / np.sqrt(3) / side
+
+    nodes: Array
+    side: Index
+    counts: Index
+
+    @cached_property
+    def cell(self) -> Index:
+        """Cell of each node of a layer, shape (nodes,)."""
+        return np.repeat(np.arange(len(self.counts)), self.counts)
+
+    @cached_property
+    def ahead(self) -> Index:
+        """The next node of the same layer, shape (nodes,)."""
+        return following(self.counts)
+
+
+def sweep(
+    outlines: Outlines,
+    *,
+    wall: Array | float,
+    radius: float,
+    edges: Index | int,
+    layers: int,
+    grading: int = 0,
+) -> Rings:
+    """Return the nodes of the rings of all cells.
+
+    Parameters
+    ----------
+    outlines : Outlines
+        The cells.
+    wall : float or array of float, shape (cells,)
+        Thickness of the walls [length].
+    radius : float
+        Radius of outer corners of 120 degrees [length], >= 0; other ones lose the same length of wall.
+    edges : int or array of int, shape (corners,)
+        Elements along the straight part of each side.
+    layers : int
+        Elements through the wall.
+    grading : int
+        How often elements are graded towards the corners of lumens, >= 0.
+    """
+    cut = radius / np.sqrt(3)
+    places = _side_places(outlines, float(np.mean(wall)), cut, np.broadcast_to(edges, len(outlines.corners)), grading)
+    on_side = np.array([len(part) for part in places])
+    side, place = np.repeat(np.arange(len(places)), on_side), np.concatenate(places)
+    outer = _along(outlines.corners, outlines, side, place)
+    if cut:
+        outer = _round_corners(outer, outlines, side, place, cut)
+    inner = _along(outlines.moved_inwards(wall), outlines, side, place)
+    share = layer_shares(layers, grading)[:, None, None]
+    counts = np.bincount(outlines.cell, on_side, outlines.cell_count).astype(np.int64)
+    return Rings((1 - share) * outer + share * inner, side, counts)
+
+
+def wall_parameters(side: float, cut: float, edges: int, corner: Sequence[float] = ()) -> Array:
+    """Return where nodes sit along one side of a sharp outline, in [-1/2, 1/2) of the side.
+
+    Where corners are cut off [length] the ends of the straight part are nodes, and `ARC_EDGES` edges follow to each
+    corner. Distances from both corners at which elements are graded, in units of the side and the largest first, leave
+    so many edges between the first of them.
+    """
+    arc = cut / side
     round_off = np.linspace(0, arc, ARC_EDGES + 1) if arc else np.zeros(1)
     graded = [distance for distance in corner if not _is_near(distance, round_off[1:])]
     middle = 0.5 - max(arc, *corner[:1], 0.0)
@@ -72,216 +141,48 @@ def layer_shares(layers: int, grading: int) -> Array:
     return np.concatenate([ends[:-1], [1 - GRADE**step / layers for step in range(1, grading)], ends[-1:]])
 
 
-def ring_layers(
-    lattice: Lattice, *, wall: float, radius: float, edges: int, layers: int, grading: int = 0
-) -> Array:
-    """Return the nodes of one cell about its centre, outermost layer first; shape (layers + 1, nodes, 2)."""
-    coarse = wall_parameters(lattice.side, radius, edges)
-    places = wall_parameters(lattice.side, radius, edges, corner_distances(lattice.side, wall, grading))
-    inner = _along(lattice, places) * (1 - wall / lattice.apothem)
-    outer = _round_corners(_along(lattice, places), lattice, radius)
-    if grading and radius:
-        # Further nodes stand on the chords of the arc: whatever the grading, the cell is the same.
-        known = _round_corners(_along(lattice, coarse), lattice, radius)
-        at, asked = (np.add.outer(np.arange(6), part + 0.5).ravel() for part in (coarse, places))
-        outer = np.column_stack([np.interp(asked, at, coordinate, period=6) for coordinate in known.T])
-    share = layer_shares(layers, grading)[:, None, None]
-    return np.asarray((1 - share) * outer + share * inner)
+def _side_places(outlines: Outlines, wall: float, cut: float, edges: Index, grading: int) -> list[Array]:
+    """Return where nodes sit on each side, in [0, 1) of it, the same on both faces of a wall.
 
-
-def _along(lattice: Lattice, places: Array) -> Array:
-    """Return the points at these places along each wall of the sharp hexagon, shape (6 places, 2)."""
-    corners = lattice.corners
-    way = (np.roll(corners, -1, axis=0) - corners)[:, None] * (places + 0.5)[:, None]
-    return np.asarray((corners[:, None] + way).reshape(-1, 2))
-
-
-def _round_corners(sharp: Array, lattice: Lattice, radius: float) -> Array:
-    """Move the points of the sharp hexagon that a corner radius cuts off onto the arc, towards its centre."""
-    if radius == 0:
-        return sharp
-    nearest = lattice.corners[np.argmax(sharp @ lattice.corners.T, axis=1)]
-    centre = nearest * (1 - 2 * radius / np.sqrt(3) / lattice.side)
-    ray = sharp - centre
-    tangent_length = radius / np.sqrt(3)
-    cut_off = np.linalg.norm(sharp - nearest, axis=1) < tangent_length * (1 - 1e-9)
-    on_arc = centre + radius * ray / np.linalg.norm(ray, axis=1)[:, None]
-    return np.where(cut_off[:, None], on_arc, sharp)
-
-
-@dataclass(frozen=True, eq=False)
-class Section:
-    """The plane through all cells: points, quadrilaterals and edges, each of a region.
-
-    Attributes
-    ----------
-    points : array of float, shape (points, 2)
-        Nodes, cell by cell [length].
-    regions : list of (str, array of int, shape (n, 4))
-        Material regions: each cell, and what fills lumens.
-    edges : list of (str, array of int, shape (n, 2))
-        Boundary regions: lumens and walls.
-    wall_names : str
-        Regular expression of the walls.
-    lattice : Lattice
-        Where the cells sit.
-    wall : float
-        Thickness of the walls [length].
-    lumens : dict of str to array of int
-        Cells whose inner walls belong to each region that is not a wall.
-    caps : array of int, shape (cells, n, 4), optional
-        Quadrilaterals that close the lumen of each cell, where cells are to be closed.
+    Sides of a length, to as many digits as places have, have the same places.
     """
-
-    points: Array
-    regions: list[tuple[str, NDArray[np.int64]]]
-    edges: list[tuple[str, NDArray[np.int64]]]
-    wall_names: str
-    lattice: Lattice
-    wall: float
-    lumens: dict[str, NDArray[np.int64]]
-    caps: NDArray[np.int64] | None = None
-
-    def body_mesh(
-        self,
-        mesh: Mesh,
-        counts: list[int],
-        thickness: float,
-        *,
-        layers: int = 1,
-        wall_names: str | None = None,
-        is_end_wall: NDArray[np.bool_] | None = None,
-    ) -> BodyMesh:
-        """Return the bodies of a mesh, from the numbers of elements of its regions, one after the other: those of all
-        cells, layer by layer, and that of all fillings. `wall_names` replace those of the section."""
-        cells = layers * len(self.lattice.centres)
-        body = np.repeat(np.arange(cells), counts[:cells])
-        filled = len(counts) > cells
-        filling = np.repeat(np.arange(cells), counts[-1] // cells) if filled else np.zeros(0, dtype=np.int64)
-        return BodyMesh(
-            mesh=ngsolve.Mesh(mesh),
-            body_of_element=np.concatenate([body, filling]),
-            body_names=tuple(f"cell{cell}" for cell in range(cells)),
-            wall_names=wall_names or self.wall_names,
-            length=self.lattice.side,
-            thickness=thickness,
-            is_filling=np.repeat([False, True], [len(body), len(filling)]) if filled else None,
-            is_end_wall=is_end_wall,
-        )
-
-
-def ring_section(
-    lattice: Lattice,
-    *,
-    wall: float,
-    radius: float,
-    edges: int,
-    layers: int,
-    supports: dict[str, NDArray[np.bool_]],
-    grading: int = 0,
-    lumens: dict[str, NDArray[np.int64]] | None = None,
-    filled: bool = False,
-    closed: bool = False,
-) -> Section:
-    """Return the plane through all cells.
-
-    Parameters
-    ----------
-    lattice : Lattice
-        Where the cells sit.
-    wall, radius : float
-        Wall thickness and corner radius [length].
-    edges, layers : int
-        Elements along the straight part of a wall and through it.
-    supports : dict of str to array of bool, shape (cells, 6)
-        Walls that belong to each support; the names become boundary regions. The other outer walls form the
-        region ``wall``.
-    grading : int
-        How often elements are graded towards the corners of lumens, >= 0.
-    lumens : dict of str to array of int, optional
-        Cells whose inner walls belong to each region; by default one region ``lumen`` of all cells.
-    filled : bool
-        Whether lumens are filled with elements, bonded to the wall.
-    closed : bool
-        Whether there are quadrilaterals to close lumens with.
-    """
-    ring = ring_layers(lattice, wall=wall, radius=radius, edges=edges, layers=layers, grading=grading)
-    layers = len(ring) - 1
-    cells, nodes = len(lattice.centres), ring.shape[1]
-    layer = np.arange((layers + 1) * nodes).reshape(layers + 1, nodes)
-    quads, cell_points = _ring_quads(layer), ring.reshape(-1, 2)
-    if filled or closed:
-        inside, filling = lumen_quads(ring[-1])
-        filling = filling + layer[-1, 0]
-        cell_points = np.concatenate([cell_points, inside])
-    first_node = len(cell_points) * np.arange(cells)
-    regions = [(f"cell{cell}", quads + first) for cell, first in enumerate(first_node)]
-    caps = filling + first_node[:, None, None] if filled or closed else None
-    if caps is not None and filled:
-        regions.append((FILLING, caps.reshape(-1, 4)))
-    hollow = {} if filled else lumens or {LUMEN: np.arange(cells)}
-    return Section(
-        points=(lattice.centres[:, None] + cell_points).reshape(-1, 2),
-        regions=regions,
-        edges=_named_edges(layer, first_node, hollow, supports),
-        wall_names="|".join(["wall", *supports]),
-        lattice=lattice,
-        wall=wall,
-        lumens=hollow,
-        caps=caps if closed else None,
+    one = np.where(outlines.twins >= 0, np.minimum(outlines.twins, np.arange(len(edges))), np.arange(len(edges)))
+    scale = outlines.lengths.max()
+    kinds, kind = np.unique(
+        np.column_stack([(outlines.lengths / scale).round(_DIGITS), edges])[one], axis=0, return_inverse=True
     )
+    places = [
+        0.5 + wall_parameters(share * scale, cut, int(number), corner_distances(share * scale, wall, grading))
+        for share, number in kinds
+    ]
+    return [places[number] for number in kind.ravel()]
 
 
-def _named_edges(
-    layer: NDArray[np.int64],
-    first_node: NDArray[np.int64],
-    hollow: dict[str, NDArray[np.int64]],
-    supports: dict[str, NDArray[np.bool_]],
-) -> list[tuple[str, NDArray[np.int64]]]:
-    """Return the edges (n, 2) of each boundary region: lumens, supports, and the walls that nothing supports."""
-    outer = np.stack([layer[0], np.roll(layer[0], -1)], axis=-1).reshape(WALLS, -1, 2)
-    inner = np.stack([np.roll(layer[-1], -1), layer[-1]], axis=-1)
-    regions = [(name, first_node[member, None, None] + inner) for name, member in hollow.items()]
-    unsupported = np.ones((len(first_node), WALLS), dtype=bool)
-    for name, member in [*supports.items(), ("wall", unsupported)]:
-        cell, side = np.nonzero(member)
-        regions.append((name, outer[side] + first_node[cell][:, None, None]))
-        unsupported &= ~member
-    return [(name, numbers.reshape(-1, 2)) for name, numbers in regions if numbers.size]
+def _along(corners: Array, outlines: Outlines, side: Index, place: Array) -> Array:
+    """Return the points at these places along the sides of polygons with these corners, shape (nodes, 2)."""
+    return np.asarray(corners[side] + (corners[outlines.ahead] - corners)[side] * place[:, None])
 
 
-def ring_mesh(lattice: Lattice, **choices: Any) -> BodyMesh:
-    """Return the mesh of all cells in the plane; parameters as for `ring_section`."""
-    section = ring_section(lattice, **choices)
-    mesh = Mesh()
-    mesh.dim = 2
-    mesh.AddPoints(np.ascontiguousarray(section.points))
-    for dimension, parts in ((2, section.regions), (1, section.edges)):
-        for name, numbers in parts:
-            region = mesh.AddRegion(name, dim=dimension)
-            mesh.AddElements(dim=dimension, index=region, data=int32(numbers), base=0)
-    return section.body_mesh(mesh, [len(quads) for _, quads in section.regions], section.wall)
+def _round_corners(sharp: Array, outlines: Outlines, side: Index, place: Array, cut: float) -> Array:
+    """Move the points of sharp outlines that corners lose onto the chords of the arcs."""
+    rounded = sharp.copy()
+    length = outlines.lengths[side]
+    ends = ((side, place * length, outlines.directions), (outlines.ahead[side], (1 - place) * length, None))
+    for corner, distance, onward in ends:
+        way = outlines.directions[outlines.behind] * -1 if onward is None else onward
+        near = (distance < cut * (1 - 1e-9)) & (outlines.exterior_angles[corner] > _STRAIGHT)
+        at, step = corner[near], distance[near] * (ARC_EDGES / cut)
+        before = np.minimum(np.floor(step + 1e-9), ARC_EDGES - 1)
+        one, two = (_on_arc(outlines, at, way[at], cut, (before + end) * (cut / ARC_EDGES)) for end in (0, 1))
+        share = (step - before)[:, None]
+        rounded[near] = (1 - share) * one + share * two
+    return rounded
 
 
-def along_walls(mesh: ngsolve.Mesh) -> Array:
-    """Return the direction along its wall of each quadrilateral of rings, or of each hexahedron of prisms, shape
-    (elements, dimension).
-
-    It is that from the middle of one end of the element to the middle of the other: in a straight wall the wall's own,
-    and in no element that of the wall round the corner.
-    """
-    points = np.array([vertex.point for vertex in mesh.vertices])
-    corners = points[[[vertex.nr for vertex in element.vertices[:4]] for element in mesh.Elements(ngsolve.VOL)]]
-    along = corners[:, 1] - corners[:, 0] + corners[:, 2] - corners[:, 3]
-    return np.asarray(along / np.linalg.norm(along, axis=1)[:, None])
-
-
-def _ring_quads(layer: NDArray[np.int64]) -> NDArray[np.int64]:
-    outer, inner = layer[:-1], layer[1:]
-    corners = [outer, np.roll(outer, -1, axis=1), np.roll(inner, -1, axis=1), inner]
-    return np.stack(corners, axis=-1).reshape(-1, 4)
-
-
-def int32(numbers: NDArray[Any]) -> NDArray[np.int32]:
-    """Return numbers as Netgen takes them."""
-    return np.ascontiguousarray(numbers, dtype=np.int32)
+def _on_arc(outlines: Outlines, corner: Index, way: Array, cut: float, distance: Array) -> Array:
+    """Return the points of the arcs that lie towards their centres from points at a distance along a side; (n, 2)."""
+    half = outlines.exterior_angles[corner] / 2
+    radius, sharp = cut / np.tan(half), outlines.corners[corner]
+    centre = sharp + radius[:, None] * outlines.bisectors[corner]
+    ray = sharp + way * distance[:, None] - centre
+    return np.asarray(centre + ray * (radius / np.linalg.norm(ray, axis=1))[:, None])

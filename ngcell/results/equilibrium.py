@@ -18,6 +18,7 @@ from ngcell.problem.state import State
 from ngcell.results.checks import NodalForces, scales_of
 from ngcell.results.error import Numbers
 from ngcell.results.forces import ContactForces, contact_forces
+from ngcell.results.growth import ONSET
 
 Array = NDArray[np.float64]
 
@@ -25,6 +26,8 @@ Array = NDArray[np.float64]
 HELD = 10.0
 #: A wall counts as open where its gap exceeds this share of the wall's thickness.
 OPEN = 1e-2
+#: Share of the force in play below which walls do not press on each other.
+_NO_FORCE = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,14 +118,17 @@ def numbers_of(setup: Setup, problem: Problem, state: State, proximal: Held) -> 
     scales = scales_of(problem.space, setup.modulus, energy)
     force = max(scales.force, float(np.linalg.norm(balance.forces.force, axis=1).max(initial=0.0)))
     mean, largest = mean_and_largest(setup.facing, balance.gap, held)
+    overlap_work = problem.overlap_work(state.at)
     return Numbers(
+        potential=state.energy,
         energy=energy,
         plate_force=setup.motion.resultant(balance.nodal.reaction, setup.moved),
         contact_force=balance.forces.total,
         mean_gap=mean,
         largest_gap=largest,
-        scales=(scales.energy, force, OPEN * thickness),
-        besides=problem.overlap_work(state.at) + proximal_energy,
+        scales=(scales.energy, force, ONSET * thickness),
+        besides=overlap_work + proximal_energy,
+        overlap=overlap_work / max(balance.forces.total, force * _NO_FORCE),
         pulled=float(np.linalg.norm(problem.resultants(pull).sum(0))),
     )
 

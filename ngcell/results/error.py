@@ -1,11 +1,22 @@
 """How far reported numbers are from those of an endless refinement, told from what the refinements so far have changed.
 
 With a remaining share r of the error from one mesh to the next, numbers q on two of them differ by (1 - r) times the
-error of the coarser one: the finer one errs by ``|q - q'| r / (1 - r)``. The share is measured where there are three
-meshes, from how much less the second refinement has changed the energy than the first; it is never taken smaller than
-what the strongest singularity of the bodies lets remain, and never larger than `MOST_REMAINS`. Beside the mesh, the
-energy errs by contact that is not rigid, at most by forces times overlaps, and energy and plate force by what the
-proximal term still holds.
+error of the coarser one: the finer one errs by ``|q - q'| r / (1 - r)``. The share is that of the potential, which is
+a minimum and falls from mesh to mesh:
+
+- A higher order lowers the errors of all singularities. What the strongest one lets remain is known; where two orders
+  in turn have changed the potential by shares that are larger, that is taken.
+- Grading lowers errors at the corners that it is towards, and no others. Of the error e that was told before, the
+  refinement has found the change c: ``1 - c / e`` remains, and never less than at these corners.
+
+No share is taken larger than `MOST_REMAINS`. Another number may stay by accident while the mesh changes: what was told
+of it before falls by no more than the share. The first mesh, on which the load path is followed, is too coarse for what
+is told by it to be remembered so.
+
+Beside the mesh, the energy errs by contact that is not rigid, at most by forces times overlaps, and by what the
+proximal term still holds; forces, as derivatives of the energy along the load, by the same share of themselves, and
+that of supports by what the proximal term takes of it; and gaps, since walls overlap, by the mean overlap under the
+forces between them.
 """
 
 from __future__ import annotations
@@ -23,7 +34,10 @@ Array = NDArray[np.float64]
 
 #: The largest share of an error that a refinement is taken to leave.
 MOST_REMAINS = 0.8
-_MEANING = "largest estimated relative error of energy, plate force and mean gap of held walls; by refinement"
+_MEANING = (
+    "largest estimated relative error of energy, plate force and mean gap of held walls, by refinement; a mean gap "
+    "below 5 % of the wall, where walls do not count as opened, is judged by that"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +46,8 @@ class Numbers:
 
     Attributes
     ----------
+    potential : float
+        What the state is a minimum of: stored energy, that of contact and of loads [stress * length**2].
     energy : float
         Stored energy [stress * length**2].
     plate_force : array of float, shape (dimension,)
@@ -41,13 +57,17 @@ class Numbers:
     mean_gap, largest_gap : float
         Gaps of walls between held bodies [length].
     scales : tuple of float
-        Energy, force and gap below which nothing is told apart.
+        Energy and force below which nothing is told apart, and the gap from which on walls count as opened: smaller
+        means of gaps err relative to it.
     besides : float
         What the energy may err by besides the mesh [stress * length**2].
     pulled : float
         What the proximal term that is left takes of the force from one support to the other [stress * length].
+    overlap : float
+        Mean overlap of walls, weighted by the forces between them [length], >= 0.
     """
 
+    potential: float
     energy: float
     plate_force: Array
     contact_force: float
@@ -56,6 +76,23 @@ class Numbers:
     scales: tuple[float, float, float]
     besides: float = 0.0
     pulled: float = 0.0
+    overlap: float = 0.0
+
+
+@dataclass(frozen=True)
+class Refining:
+    """How a mesh is finer than the one before.
+
+    Attributes
+    ----------
+    remains : float
+        Smallest share of the error that it may leave, in (0, 1).
+    is_graded : bool
+        Whether it is graded towards corners once more.
+    """
+
+    remains: float
+    is_graded: bool = False
 
 
 @dataclass(frozen=True)
@@ -86,40 +123,56 @@ class Errors:
 NO_ERRORS = Errors()
 #: Numbers whose errors are reported.
 ERROR_NAMES = ("energy", "plate_force", "contact_force", "mean_gap", "largest_gap")
+_TOLD = ("potential", *ERROR_NAMES)
 
 
-def estimate(found: Sequence[Numbers], remains: float, *, of_last: bool = True) -> Errors:
+def estimate(found: Sequence[Numbers], refined: Sequence[Refining], *, of_last: bool = True) -> Errors:
     """Return the errors of numbers that were found on one mesh after the other.
 
     Parameters
     ----------
     found : sequence of Numbers
         On each mesh, the coarsest first.
-    remains : float
-        Smallest share of the error that the last refinement may have left, in (0, 1).
+    refined : sequence of Refining
+        How each mesh but the first is finer than the one before.
     of_last : bool
         Whether errors are those of the last mesh, or of the last but one.
     """
     if len(found) < 2:
         return Errors()
-    last = found[-1]
+    told: dict[str, float] = {}
+    changed = 0.0
+    for number, (one, two, how) in enumerate(zip(found, found[1:], refined, strict=False)):
+        change = {name: _change(one, two, name) for name in _TOLD}
+        share = _share(how, change["potential"], changed, told.get("potential"))
+        remains = share if of_last else 1.0
+        new = {name: max(change[name] * remains / (1 - share), share * told.get(name, 0.0)) for name in _TOLD}
+        told, changed = new if number else {}, 0.0 if how.is_graded else change["potential"]
+    return _with_contact(found[-1], new)
 
-    changes = [_change(one, two, "energy") for one, two in zip(found, found[1:], strict=False)]
-    measured = changes[-1] / changes[-2] if len(changes) > 1 and changes[-2] > 0 else 0.0
-    share = min(max(measured, remains), MOST_REMAINS)
 
-    def error(name: str) -> float:
-        return _change(found[-2], last, name) * (share if of_last else 1.0) / (1 - share)
+def _share(how: Refining, change: float, before: float, told: float | None) -> float:
+    """Return the share of the error that a refinement has left.
 
-    energy = error("energy") + last.besides
-    force, contact = error("plate_force") + last.pulled, error("contact_force")
-    mean, largest = error("mean_gap"), error("largest_gap")
-    scales = last.scales
-    relative = max(
-        energy / max(abs(last.energy), scales[0]),
-        force / max(float(np.linalg.norm(last.plate_force)), scales[1]),
-        mean / max(abs(last.mean_gap), scales[2]),
-    )
+    `change` is that of the potential, `before` that by the order before, `told` the error that it was told then.
+    """
+    if how.is_graded and told:
+        measured = 1 - change / told
+    else:
+        measured = change / before if before > 0 else 0.0
+    return min(max(measured, how.remains), MOST_REMAINS)
+
+
+def _with_contact(last: Numbers, told: dict[str, float]) -> Errors:
+    """Return errors of the mesh with those of contact and the proximal term."""
+    energy_scale, force_scale, gap_scale = last.scales
+    size, softness = max(abs(last.energy), energy_scale), last.besides / max(abs(last.energy), energy_scale)
+    plate = float(np.linalg.norm(last.plate_force))
+    energy, force = told["energy"] + last.besides, told["plate_force"] + softness * plate + last.pulled
+    contact = told["contact_force"] + softness * last.contact_force
+    mean, largest = told["mean_gap"] + last.overlap, told["largest_gap"] + last.overlap
+    gap_scale = max(abs(last.mean_gap), gap_scale)
+    relative = max(energy / size, force / max(plate, force_scale), mean / gap_scale)
     return Errors(energy, force, contact, mean, largest, relative)
 
 

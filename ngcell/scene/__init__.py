@@ -14,6 +14,7 @@ from ngcell.scene.case_of_bodies import BodyCase
 from ngcell.scene.catalogue import case_name, find_case, shipped_cases
 from ngcell.scene.expected import BodyExpected, Expected
 from ngcell.scene.kinds import AnyCase
+from ngcell.scene.members import MemberChoice, check_has_members, geometry_share, member_of
 from ngcell.scene.mesh import BodyMeshChoice, MeshChoice, Refinement
 from ngcell.scene.reader import case_title, read_case, resolved_toml
 from ngcell.scene.registry import register, section_named, section_names
@@ -30,11 +31,15 @@ __all__ = [
     "Case",
     "Expected",
     "Load",
+    "MemberChoice",
     "MeshChoice",
     "Refinement",
     "case_name",
     "case_title",
+    "check_has_members",
     "find_case",
+    "geometry_share",
+    "member_of",
     "read_case",
     "register",
     "resolved_toml",

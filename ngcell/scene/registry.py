@@ -72,7 +72,10 @@ class Group:
 
 _SHIPPED = {
     "tissue": Group(
-        {"honeycomb": "ngcell.geometry.tissues.honeycomb:Tissue"},
+        {
+            "honeycomb": "ngcell.geometry.tissues.honeycomb:Tissue",
+            "perturbed": "ngcell.geometry.tissues.perturbed:Perturbed",
+        },
         default="honeycomb",
         protocol="ngcell.geometry.tissues.protocol:TissueGeometry",
     ),

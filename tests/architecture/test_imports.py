@@ -20,7 +20,7 @@ IDS = [str(module.relative_to(PACKAGE)) for module in MODULES]
 #: Rooms in their order: each may import those named before it, besides itself.
 ORDER = (
     "errors", "clock", "scene", "geometry", "mechanics", "contact", "problem", "results", "build", "export",
-    "recording", "run", "cli",
+    "recording", "run", "ensemble", "cli",
 )  # fmt: skip
 
 #: Rooms that may import less: what they do not name they cannot come to depend on.
@@ -32,13 +32,13 @@ NARROW = {
     # The solver knows a problem by protocol only, and of scenes what sections of cases are made of.
     "solve": {"errors", "clock", "scene"},
     # The command line hands on what a case says, and shows what came of it.
-    "cli": {"errors", "scene", "results", "export", "recording", "run", "__version__"},
+    "cli": {"errors", "scene", "results", "export", "recording", "run", "ensemble", "__version__"},
     # The table of contents names what it offers to type checkers; at run time it imports on demand.
     "__init__": {*ORDER, "solve"} - {"cli"},
     "__main__": {"cli"},
 }
 #: Rooms that may import the solver.
-SOLVING = {"build", "recording", "run"}
+SOLVING = {"build", "recording", "run", "ensemble"}
 
 #: Modules of the scene that kinds may know, wherever they stand: what sections are made of. No case, no reader.
 SECTIONS = {"bodies", "choice", "entries", "levels", "scope", "section"}
@@ -67,6 +67,7 @@ UNKNOWN = {
     "build": PICTURES | {"click", "rich"},
     "recording": PICTURES | {"click", "rich"},
     "run": PICTURES | {"click", "rich"},
+    "ensemble": PICTURES | {"click", "rich"},
     "cli": NUMERICS | PICTURES,
     "errors": NUMERICS | PICTURES | {"click", "rich", "pydantic"},
 }

@@ -12,7 +12,7 @@ from ngcell.contact.methods.terms import CohesionTerm
 from ngcell.contact.surface.find import find_surface
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.prisms import prism_mesh
-from ngcell.geometry.rings import ring_section
+from ngcell.geometry.sections import ring_section
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.problem.problem import Problem
 from tests.contact.derivatives import assert_derivatives, smooth_step
@@ -24,7 +24,7 @@ LAW = Cohesion(strength=0.3, energy=0.02)
 def prisms(order: int) -> Pair:
     """Two prisms that touch along a wall of length 1 and height 0.6, at x = 3^0.5 / 2."""
     lattice = hexagonal_lattice(1, 2, side=1.0, pointy=True)
-    section = ring_section(lattice, wall=0.2, radius=0.0, edges=1, layers=1, supports={})
+    section = ring_section(lattice.outlines, wall=0.2, radius=0.0, edges=1, layers=1, supports={})
     return Pair(DisplacementSpace(prism_mesh(section, height=0.6, slices=2), order))
 
 
@@ -113,7 +113,7 @@ def test_a_rigid_motion_of_all_costs_nothing_and_turns_the_forces():
 
 def test_every_wall_of_a_prism_tissue_is_bonded():
     lattice = hexagonal_lattice(2, 2, side=1.0, pointy=True)
-    section = ring_section(lattice, wall=0.2, radius=0.0, edges=1, layers=1, supports={})
+    section = ring_section(lattice.outlines, wall=0.2, radius=0.0, edges=1, layers=1, supports={})
     space = DisplacementSpace(prism_mesh(section, height=0.6, slices=2), 1)
     bonds = bond_walls(find_surface(space.bodies, space.scalar, space.rest), LAW)
     assert len(np.unique(bonds.bodies, axis=0)) == 5

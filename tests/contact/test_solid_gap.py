@@ -12,7 +12,7 @@ from ngcell.contact.surface.find import find_surface
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.near import near_pairs
 from ngcell.geometry.prisms import prism_mesh
-from ngcell.geometry.rings import ring_section
+from ngcell.geometry.sections import ring_section
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.problem.tie import tie_walls
 from tests.contact.derivatives import assert_derivatives, step_between_kinks
@@ -63,7 +63,7 @@ def test_gaps_are_distances_to_second_order(make, order):
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_tied_prisms_move_as_one_solid(order):
     """Whatever the masters do: walls that coincide at rest coincide still, at three-cell lines, too."""
-    section = ring_section(hexagonal_lattice(2, 2, side=1.0, pointy=True), **SECTION)
+    section = ring_section(hexagonal_lattice(2, 2, side=1.0, pointy=True).outlines, **SECTION)
     space = DisplacementSpace(prism_mesh(section, height=0.6, slices=2), order)
     walls = find_surface(space.bodies, space.scalar, space.rest)
     tie = tie_walls(walls, space.size)
@@ -100,7 +100,7 @@ def test_points_of_prisms_lie_on_corner_lines_and_on_no_seam_along_the_axis(orde
 
 def test_walls_that_end_are_continued_by_a_quarter():
     """A prism that is raised a little presses on the next one as it did, beyond its end as well."""
-    section = ring_section(hexagonal_lattice(1, 2, side=1.0, pointy=True), **SECTION)
+    section = ring_section(hexagonal_lattice(1, 2, side=1.0, pointy=True).outlines, **SECTION)
     space = DisplacementSpace(prism_mesh(section, height=0.6, slices=1), 2)
     pair = Pair(space)
     energies = []

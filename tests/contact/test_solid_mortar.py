@@ -12,7 +12,7 @@ from ngcell.contact.methods.terms import ContactTerm
 from ngcell.contact.surface.surface import Surface
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.prisms import prism_mesh
-from ngcell.geometry.rings import ring_section
+from ngcell.geometry.sections import ring_section
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.problem.problem import Problem
 from tests.contact.derivatives import assert_derivatives, step_between_kinks
@@ -23,7 +23,7 @@ from tests.tissues import contact_set, contact_term, small_tissue
 def prisms(order: int, edges: int = 2) -> Pair:
     """Two prisms of height 0.6 that touch along a wall."""
     lattice = hexagonal_lattice(1, 2, side=1.0, pointy=True)
-    section = ring_section(lattice, wall=0.2, radius=0.0, edges=edges, layers=1, supports={})
+    section = ring_section(lattice.outlines, wall=0.2, radius=0.0, edges=edges, layers=1, supports={})
     return Pair(DisplacementSpace(prism_mesh(section, height=0.6, slices=2), order))
 
 

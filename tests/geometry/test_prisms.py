@@ -10,7 +10,7 @@ from ngcell.contact.pairing.facing import count_corners, find_facing
 from ngcell.contact.surface.find import find_surface
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.prisms import prism_mesh
-from ngcell.geometry.rings import ring_mesh, ring_section
+from ngcell.geometry.sections import ring_mesh, ring_section
 from ngcell.mechanics.space import DisplacementSpace
 
 LATTICE = hexagonal_lattice(2, 2, side=1.0, pointy=True)
@@ -19,8 +19,8 @@ CHOICES = {"wall": 0.2, "radius": 0.1, "edges": 2, "layers": 2, "supports": {}}
 
 @pytest.mark.parametrize("filled", [False, True])
 def test_prisms_are_their_section_times_the_height(filled):
-    flat = ring_mesh(LATTICE, filled=filled, **CHOICES)
-    bodies = prism_mesh(ring_section(LATTICE, filled=filled, **CHOICES), height=0.7, slices=3)
+    flat = ring_mesh(LATTICE.outlines, filled=filled, **CHOICES)
+    bodies = prism_mesh(ring_section(LATTICE.outlines, filled=filled, **CHOICES), height=0.7, slices=3)
     area = ngsolve.Integrate(ngsolve.CF(1), flat.mesh)
     assert ngsolve.Integrate(ngsolve.CF(1), bodies.mesh) == pytest.approx(0.7 * area, rel=1e-12)
     assert bodies.mesh.ne == 3 * flat.mesh.ne
@@ -36,7 +36,7 @@ def test_prisms_are_their_section_times_the_height(filled):
 
 
 def test_walls_of_prisms_face_each_other():
-    bodies = prism_mesh(ring_section(LATTICE, **CHOICES | {"radius": 0.0}), height=0.7, slices=2)
+    bodies = prism_mesh(ring_section(LATTICE.outlines, **CHOICES | {"radius": 0.0}), height=0.7, slices=2)
     space = DisplacementSpace(bodies, 2)
     walls = find_surface(bodies, space.scalar, space.rest)
     facing = find_facing(walls, 1e-3)
@@ -49,7 +49,7 @@ def test_walls_of_prisms_face_each_other():
 
 @pytest.mark.parametrize("filled", [False, True])
 def test_closed_prisms_have_end_walls_and_a_closed_lumen(filled):
-    section = ring_section(LATTICE, filled=filled, closed=True, **CHOICES | {"radius": 0.0})
+    section = ring_section(LATTICE.outlines, filled=filled, closed=True, **CHOICES | {"radius": 0.0})
     bodies = prism_mesh(section, height=1.0, slices=2, end_wall=0.15)
     whole, inside = (2 * np.sqrt(3) * apothem**2 for apothem in (LATTICE.apothem, LATTICE.apothem - 0.2))
     walls = 4 * (whole - 0.7 * inside)
@@ -75,7 +75,8 @@ def test_closed_prisms_have_end_walls_and_a_closed_lumen(filled):
 @pytest.mark.parametrize("filled", [False, True])
 def test_layers_are_prisms_of_their_own_that_face_each_other(filled, end_wall):
     sections = [
-        ring_section(LATTICE, filled=filled, closed=end_wall is not None, **CHOICES | {"radius": 0.0}) for _ in range(3)
+        ring_section(LATTICE.outlines, filled=filled, closed=end_wall is not None, **CHOICES | {"radius": 0.0})
+        for _ in range(3)
     ]
     one = prism_mesh(sections[0], height=0.7, slices=2, end_wall=end_wall)
     bodies = prism_mesh(*sections, height=0.7, slices=2, end_wall=end_wall)

@@ -8,7 +8,7 @@ import pytest
 
 from ngcell.geometry import rings
 from ngcell.geometry.lattice import hexagonal_lattice
-from ngcell.geometry.rings import ring_layers
+from ngcell.geometry.rings import sweep
 from tests.tissues import small_tissue
 
 HEXAGON = 1.5 * np.sqrt(3)
@@ -45,7 +45,7 @@ def test_rounded_rings_approach_the_area_with_round_corners_quadratically(monkey
 @pytest.mark.parametrize("radius", [0.05, 0.3, 0.8])
 def test_rounded_outlines_stay_inside_the_true_arc_by_less_than_a_percent_of_the_radius(radius):
     lattice = hexagonal_lattice(1, 1, side=1.0, pointy=True)
-    outer = ring_layers(lattice, wall=0.2, radius=radius, edges=2, layers=1)[0]
+    outer = sweep(lattice.outlines, wall=0.2, radius=radius, edges=2, layers=1).nodes[0]
     points = np.linspace(outer, np.roll(outer, -1, axis=0), 21).reshape(-1, 2)
     # The rounded hexagon is the smaller, sharp one with all points nearer than the radius.
     centres = lattice.corners * (1 - radius / APOTHEM)
@@ -124,7 +124,8 @@ def test_supports_and_walls_share_out_all_outer_edges():
 def test_grading_keeps_the_cell_and_the_nodes_that_were_there(wall: float, radius: float):
     lattice = hexagonal_lattice(1, 1, side=1.0, pointy=True)
     layers = [
-        ring_layers(lattice, wall=wall, radius=radius, edges=2, layers=1, grading=grading) for grading in range(4)
+        sweep(lattice.outlines, wall=wall, radius=radius, edges=2, layers=1, grading=grading).nodes
+        for grading in range(4)
     ]
     areas = [_area(nodes[0]) - _area(nodes[-1]) for nodes in layers]
     assert areas == pytest.approx([areas[0]] * 4, rel=1e-12)

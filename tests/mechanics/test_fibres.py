@@ -10,7 +10,7 @@ import pytest
 from scipy.optimize import brentq
 
 from ngcell import BodyCase, simulate
-from ngcell.geometry.rings import along_walls
+from ngcell.geometry.sections import along_walls
 from ngcell.mechanics.bulk import BodyEnergy
 from ngcell.mechanics.laws.fibres import ExponentialFibres, QuadraticFibres
 from ngcell.mechanics.laws.law import FibreLaw

@@ -8,7 +8,8 @@ import pytest
 
 from ngcell.geometry.filling import lumen_quads
 from ngcell.geometry.lattice import hexagonal_lattice
-from ngcell.geometry.rings import ring_layers, ring_mesh
+from ngcell.geometry.rings import sweep
+from ngcell.geometry.sections import ring_mesh
 from ngcell.mechanics.applied.potential import AppliedLoads
 from ngcell.mechanics.bulk import BodyEnergy, InclusionEnergy
 from ngcell.mechanics.laws.custom import CustomLaw
@@ -30,8 +31,8 @@ def area(points: np.ndarray, quads: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("radius", [0.0, 0.2])
 def test_quads_fill_the_lumen_and_keep_the_nodes_of_its_wall(edges, radius):
     lattice = hexagonal_lattice(1, 1, side=1.0, pointy=True)
-    outline = ring_layers(lattice, wall=0.1, radius=radius, edges=edges, layers=1)[-1]
-    points, quads = lumen_quads(outline)
+    outline = sweep(lattice.outlines, wall=0.1, radius=radius, edges=edges, layers=1).nodes[-1]
+    (points,), quads = lumen_quads(outline[None])
     per_side = len(outline) // 6
     assert len(points) == 3 * per_side * (per_side - 1) + 1 and len(quads) == 3 * per_side**2
     areas = area(np.concatenate([outline, points]), quads)
@@ -42,7 +43,7 @@ def test_quads_fill_the_lumen_and_keep_the_nodes_of_its_wall(edges, radius):
 
 def filled_cell(order: int) -> tuple[DisplacementSpace, EnergyForm]:
     lattice = hexagonal_lattice(1, 1, side=1.0, pointy=True)
-    bodies = ring_mesh(lattice, wall=0.1, radius=0.0, edges=2, layers=1, supports={}, filled=True)
+    bodies = ring_mesh(lattice.outlines, wall=0.1, radius=0.0, edges=2, layers=1, supports={}, filled=True)
     space = DisplacementSpace(bodies, order)
     return space, SymbolicSum([BodyEnergy(space, [WALL]), InclusionEnergy(space, FILLING)]).form
 
@@ -127,7 +128,7 @@ def neo_hookean(gradient: ngsolve.CoefficientFunction) -> ngsolve.CoefficientFun
 
 def test_the_pressure_in_a_lumen_is_that_of_its_law_whichever_parts_its_energy_has():
     lattice = hexagonal_lattice(1, 1, side=1.0, pointy=True)
-    bodies = ring_mesh(lattice, wall=0.1, radius=0.0, edges=1, layers=1, supports={}, filled=True)
+    bodies = ring_mesh(lattice.outlines, wall=0.1, radius=0.0, edges=1, layers=1, supports={}, filled=True)
     space = DisplacementSpace(bodies, 1)
     gradient = np.array([[1.1, 0.2, 0.0], [0.1, 0.8, 0.0], [0.0, 0.0, 1.0]])
     at = space.configuration(space.affine(gradient[:2, :2] - np.eye(2), np.zeros(2)).ravel())

@@ -9,7 +9,7 @@ import pytest
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.prisms import along_and_up, prism_mesh
-from ngcell.geometry.rings import ring_section
+from ngcell.geometry.sections import ring_section
 from ngcell.mechanics.bulk import BodyEnergy
 from ngcell.mechanics.laws.fibres import ExponentialFibres, QuadraticFibres
 from ngcell.mechanics.laws.law import FibreLaw
@@ -31,7 +31,7 @@ STRAIN = np.array([[0.2, 0.05, 0.1], [-0.04, 0.15, 0.03], [0.06, 0.02, 0.25]])
 
 def cell(end_wall: float | None = None, layers: int = 1) -> BodyMesh:
     choices = {"wall": WALL, "radius": 0.0, "edges": 1, "layers": 1, "supports": {}, "closed": end_wall is not None}
-    return prism_mesh(*[ring_section(LATTICE, **choices)] * layers, height=HEIGHT, slices=1, end_wall=end_wall)
+    return prism_mesh(*[ring_section(LATTICE.outlines, **choices)] * layers, height=HEIGHT, slices=1, end_wall=end_wall)
 
 
 def reinforced(space: DisplacementSpace, fibres: FibreLaw | None) -> EnergyForm:

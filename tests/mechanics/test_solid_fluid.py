@@ -7,7 +7,7 @@ import pytest
 
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.prisms import prism_mesh
-from ngcell.geometry.rings import ring_section
+from ngcell.geometry.sections import ring_section
 from ngcell.mechanics.fluid import LumenFluids
 from ngcell.mechanics.space import DisplacementSpace
 
@@ -18,7 +18,7 @@ STEPS = np.array([8e-3, 4e-3, 2e-3])
 
 def closed_cells(order: int = 2, layers: int = 1) -> DisplacementSpace:
     choices = {"wall": WALL, "radius": 0.0, "edges": 1, "layers": 1, "supports": {}, "closed": True}
-    bodies = prism_mesh(*[ring_section(LATTICE, **choices)] * layers, height=HEIGHT, slices=1, end_wall=END)
+    bodies = prism_mesh(*[ring_section(LATTICE.outlines, **choices)] * layers, height=HEIGHT, slices=1, end_wall=END)
     return DisplacementSpace(bodies, order)
 
 

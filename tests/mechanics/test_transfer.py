@@ -8,7 +8,7 @@ import pytest
 
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.prisms import prism_mesh
-from ngcell.geometry.rings import ring_mesh, ring_section
+from ngcell.geometry.sections import ring_mesh, ring_section
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.transfer import transferred
 
@@ -17,13 +17,13 @@ LATTICE = hexagonal_lattice(2, 2, side=1.0, pointy=True)
 
 def space(order: int, grading: int, radius: float = 0.0, *, filled: bool = False) -> DisplacementSpace:
     mesh = ring_mesh(
-        LATTICE, wall=0.1, radius=radius, edges=2, layers=1, grading=grading, supports={}, filled=filled
+        LATTICE.outlines, wall=0.1, radius=radius, edges=2, layers=1, grading=grading, supports={}, filled=filled
     )
     return DisplacementSpace(mesh, order)
 
 
 def prisms(order: int, grading: int) -> DisplacementSpace:
-    section = ring_section(LATTICE, wall=0.1, radius=0.0, edges=1, layers=1, grading=grading, supports={})
+    section = ring_section(LATTICE.outlines, wall=0.1, radius=0.0, edges=1, layers=1, grading=grading, supports={})
     return DisplacementSpace(prism_mesh(section, height=0.7, slices=1), order)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from ngcell.contact.methods.terms import ContactTerm
 from ngcell.geometry.lattice import hexagonal_lattice
-from ngcell.geometry.rings import ring_mesh
+from ngcell.geometry.sections import ring_mesh
 from ngcell.mechanics.applied.potential import AppliedLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion
@@ -26,7 +26,7 @@ PRESSURE = 0.05
 
 def free_cluster(rows: int, cols: int) -> SmallTissue:
     lattice = hexagonal_lattice(rows, cols, side=1.0, pointy=True)
-    bodies = ring_mesh(lattice, wall=0.2, radius=0.0, edges=3, layers=1, supports={})
+    bodies = ring_mesh(lattice.outlines, wall=0.2, radius=0.0, edges=3, layers=1, supports={})
     space = DisplacementSpace(bodies, 2)
     return SmallTissue(lattice, bodies, space, PrescribedMotion(space, []))
 

@@ -14,7 +14,7 @@ from ngcell.contact.cohesion.bonds import bond_walls
 from ngcell.contact.cohesion.exponential import Cohesion
 from ngcell.contact.methods.terms import CohesionTerm, ContactTerm
 from ngcell.geometry.lattice import hexagonal_lattice
-from ngcell.geometry.rings import ring_mesh
+from ngcell.geometry.sections import ring_mesh
 from ngcell.mechanics.applied.potential import AppliedLoads
 from ngcell.mechanics.bulk import BodyEnergy, InclusionEnergy
 from ngcell.mechanics.fluid import LumenFluids
@@ -80,7 +80,7 @@ class Link(Term):
 def cells(order: int, *, filled: bool = False) -> SmallTissue:
     """Two cells that nothing holds, hollow or filled."""
     lattice = hexagonal_lattice(1, 2, side=1.0, pointy=True)
-    bodies = ring_mesh(lattice, wall=0.2, radius=0.0, edges=2, layers=1, supports={}, filled=filled)
+    bodies = ring_mesh(lattice.outlines, wall=0.2, radius=0.0, edges=2, layers=1, supports={}, filled=filled)
     space = DisplacementSpace(bodies, order)
     return SmallTissue(lattice, bodies, space, PrescribedMotion(space, []))
 

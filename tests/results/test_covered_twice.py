@@ -9,7 +9,7 @@ from netgen import occ
 from ngcell.contact.surface.find import find_surface
 from ngcell.contact.surface.surface import Surface
 from ngcell.geometry.lattice import hexagonal_lattice
-from ngcell.geometry.rings import ring_mesh
+from ngcell.geometry.sections import ring_mesh
 from ngcell.geometry.shapes import mesh_shapes
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.results.covered_twice import depth_in_itself, depth_in_others
@@ -29,7 +29,7 @@ def rectangle(low: tuple[float, float], high: tuple[float, float]) -> occ.Face:
 
 def cell(order: int = 2) -> DisplacementSpace:
     lattice = hexagonal_lattice(1, 1, side=1.0, pointy=True)
-    return DisplacementSpace(ring_mesh(lattice, wall=0.1, radius=0.1, edges=3, layers=1, supports={}), order)
+    return DisplacementSpace(ring_mesh(lattice.outlines, wall=0.1, radius=0.1, edges=3, layers=1, supports={}), order)
 
 
 def mapped(space: DisplacementSpace, move) -> np.ndarray:

@@ -7,48 +7,89 @@ from math import inf, isnan
 import numpy as np
 import pytest
 
-from ngcell.results.error import MOST_REMAINS, Errors, Numbers, estimate
+from ngcell.results.error import MOST_REMAINS, Errors, Numbers, Refining, estimate
 
 
-def numbers(energy: float, force: float = 1.0, gap: float = 1.0, besides: float = 0.0) -> Numbers:
-    return Numbers(energy, np.array([force, 0.0]), 1.0, gap, gap, (1e-9, 1e-9, 1e-9), besides)
+def numbers(energy: float, force: float = 1.0, gap: float = 1.0, besides: float = 0.0, overlap: float = 0.0) -> Numbers:
+    return Numbers(energy, energy, np.array([force, 0.0]), 1.0, gap, gap, (1e-9, 1e-9, 1e-2), besides, overlap)
+
+
+def by_order(remains: float) -> list[Refining]:
+    """Refinements by an order each."""
+    return [Refining(remains)] * 5
 
 
 def test_one_mesh_tells_nothing():
-    errors = estimate([numbers(1.0)], 0.5)
+    errors = estimate([numbers(1.0)], by_order(0.5))
     assert isnan(errors.energy) and errors.check(0.1).value == inf and not errors.check(0.1).passed
 
 
 @pytest.mark.parametrize("share", [0.1, 0.3, 0.6])
 def test_a_geometric_sequence_is_told_exactly(share: float):
     found = [numbers(2.0 + share**step) for step in range(3)]
-    assert estimate(found, 0.01).energy == pytest.approx(share**2, rel=1e-12)
-    assert estimate(found, 0.01, of_last=False).energy == pytest.approx(share, rel=1e-12)
+    assert estimate(found, by_order(0.01)).energy == pytest.approx(share**2, rel=1e-12)
+    assert estimate(found, by_order(0.01), of_last=False).energy == pytest.approx(share, rel=1e-12)
 
 
 def test_a_singularity_lets_remain_what_no_measured_share_may_belittle():
     # The coarsest mesh is far off for another reason: the second refinement changes a hundredth of the first.
     found = [numbers(11.0), numbers(1.0 + 0.1), numbers(1.0)]
-    assert estimate(found, 0.5).energy == pytest.approx(0.1, rel=1e-12)
-    assert estimate(found, 0.001).energy < 0.01
+    assert estimate(found, by_order(0.5)).energy == pytest.approx(0.1, rel=1e-12)
+    assert estimate(found, by_order(0.001)).energy < 0.01
 
 
 def test_what_does_not_converge_is_told_to_be_far_off():
     found = [numbers(1.0), numbers(1.1), numbers(1.3)]
-    assert estimate(found, 0.1).energy == pytest.approx(0.2 * MOST_REMAINS / (1 - MOST_REMAINS), rel=1e-12)
+    assert estimate(found, by_order(0.1)).energy == pytest.approx(0.2 * MOST_REMAINS / (1 - MOST_REMAINS), rel=1e-12)
 
 
 def test_the_largest_relative_error_is_judged():
     found = [numbers(1.0, 1.0, 2.0), numbers(1.01, 1.1, 2.0)]
-    errors = estimate(found, 0.5)
+    errors = estimate(found, by_order(0.5))
     assert errors.relative == pytest.approx(0.1 / 1.1, rel=1e-12)
     assert errors.check(0.1).passed and not errors.check(0.09).passed
 
 
 def test_soft_contact_and_what_floats_add_to_the_error_of_the_energy():
     found = [numbers(1.0, besides=0.1), numbers(1.0, besides=0.02)]
-    assert estimate(found, 0.5).energy == pytest.approx(0.02, rel=1e-12)
+    assert estimate(found, by_order(0.5)).energy == pytest.approx(0.02, rel=1e-12)
 
 
 def test_errors_without_estimate_fail_the_check():
     assert not Errors().check(inf).value < inf
+
+
+def test_grading_leaves_the_errors_of_corners_that_are_not_graded():
+    """Half of the error is of corners that grading reaches, where it leaves a tenth, and half of others."""
+    reached, others = (0.5, 0.25, 0.025, 0.0125), (0.5, 0.25, 0.25, 0.125)
+    found = [numbers(2.0 + one + other) for one, other in zip(reached, others, strict=True)]
+    refined = [Refining(0.5), Refining(0.1, is_graded=True), Refining(0.5)]
+    assert estimate(found[:2], refined).energy == pytest.approx(0.5, rel=1e-12)
+    assert estimate([numbers(4.0), *found], [Refining(0.5), *refined]).energy == pytest.approx(0.1375, rel=1e-12)
+    graded = estimate([numbers(4.0), *found[:3]], [Refining(0.5), *refined[:2]]).energy
+    assert graded == pytest.approx(0.275, rel=1e-12)  # a tenth of the change over nine tenths would be 0.025
+
+
+def test_a_number_that_stays_by_accident_is_told_what_the_share_has_left():
+    found = [numbers(2.0 + 0.5**step, gap=gap) for step, gap in enumerate((1.0, 1.3, 1.1, 1.1))]
+    assert estimate(found[:3], by_order(0.5)).mean_gap == pytest.approx(0.2, rel=1e-12)
+    assert estimate(found, by_order(0.5)).mean_gap == pytest.approx(0.1, rel=1e-12)
+
+
+def test_what_is_told_by_the_mesh_of_the_load_path_is_not_remembered():
+    found = [numbers(9.0), numbers(2.1), numbers(2.05)]
+    assert estimate(found, by_order(0.5)).energy == pytest.approx(0.05, rel=1e-12)
+
+
+def test_soft_contact_adds_to_forces_by_its_share_of_the_energy_and_to_gaps_by_the_overlap():
+    found = [numbers(2.0), numbers(2.0, force=3.0, besides=0.02, overlap=1e-3)]
+    still = estimate([numbers(2.0, force=3.0), found[1]], by_order(0.5))
+    assert (still.plate_force, still.contact_force) == pytest.approx((0.03, 0.01), rel=1e-12)
+    assert (still.mean_gap, still.largest_gap) == pytest.approx((1e-3, 1e-3), rel=1e-12)
+
+
+def test_a_mean_gap_that_vanishes_is_judged_by_what_counts_as_opened():
+    found = [numbers(2.0, gap=2e-4), numbers(2.0, gap=1e-4)]
+    errors = estimate(found, by_order(0.5))
+    assert errors.mean_gap == pytest.approx(1e-4, rel=1e-12)
+    assert errors.relative == pytest.approx(1e-2, rel=1e-12)

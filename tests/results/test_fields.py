@@ -11,7 +11,7 @@ from ngcell.contact.surface.find import find_surface
 from ngcell.errors import GeometryError
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.lattice import hexagonal_lattice
-from ngcell.geometry.rings import ring_mesh
+from ngcell.geometry.sections import ring_mesh
 from ngcell.mechanics.bulk import BodyEnergy
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.space import DisplacementSpace
@@ -29,7 +29,7 @@ CORNERS = {28: 4, 22: 3}
 
 def rings(pointy: bool = True, cells: int = 3) -> BodyMesh:
     lattice = hexagonal_lattice(1, cells, side=1.0, pointy=pointy)
-    return ring_mesh(lattice, wall=0.2, radius=0.1, edges=2, layers=2, supports={})
+    return ring_mesh(lattice.outlines, wall=0.2, radius=0.1, edges=2, layers=2, supports={})
 
 
 def discs(curved: int) -> BodyMesh:

@@ -9,7 +9,7 @@ from netgen import occ
 
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.lattice import hexagonal_lattice
-from ngcell.geometry.rings import ring_mesh
+from ngcell.geometry.sections import ring_mesh
 from ngcell.geometry.shapes import mesh_shapes
 from ngcell.mechanics.bulk import BodyEnergy
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
@@ -23,7 +23,7 @@ ORDERS = (1, 2, 3, 4)
 
 def rings(order: int = 1) -> BodyMesh:
     lattice = hexagonal_lattice(1, 2, side=1.0, pointy=True)
-    return ring_mesh(lattice, wall=0.2, radius=0.1, edges=2, layers=1, supports={})
+    return ring_mesh(lattice.outlines, wall=0.2, radius=0.1, edges=2, layers=1, supports={})
 
 
 def disc(order: int) -> BodyMesh:

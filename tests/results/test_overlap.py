@@ -13,7 +13,7 @@ from ngcell.contact.surface.find import find_surface
 from ngcell.contact.surface.surface import Surface
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.lattice import Lattice, hexagonal_lattice
-from ngcell.geometry.rings import ring_mesh
+from ngcell.geometry.sections import ring_mesh
 from ngcell.geometry.shapes import mesh_shapes
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.results import solid_overlap
@@ -31,7 +31,7 @@ def walls_of(bodies: BodyMesh, order: int = 2) -> Surface:
 
 def tissue(lattice: Lattice, order: int = 2, *, edges: int = 2, radius: float = 0.0) -> Surface:
     supports = {"low": lattice.hull_walls(0, -1)}
-    mesh = ring_mesh(lattice, wall=0.1, radius=radius, edges=edges, layers=1, supports=supports)
+    mesh = ring_mesh(lattice.outlines, wall=0.1, radius=radius, edges=edges, layers=1, supports=supports)
     return walls_of(mesh, order)
 
 

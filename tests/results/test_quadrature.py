@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ngcell.geometry.lattice import hexagonal_lattice
-from ngcell.geometry.rings import ring_mesh
+from ngcell.geometry.sections import ring_mesh
 from ngcell.mechanics.bulk import BodyEnergy, InclusionEnergy
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.space import DisplacementSpace
@@ -16,7 +16,7 @@ from ngcell.results.quadrature import quadrature_error
 
 def cell(order: int, *, filled: bool = False) -> DisplacementSpace:
     lattice = hexagonal_lattice(1, 1, side=1.0, pointy=True)
-    bodies = ring_mesh(lattice, wall=0.2, radius=0.0, edges=2, layers=1, supports={}, filled=filled)
+    bodies = ring_mesh(lattice.outlines, wall=0.2, radius=0.0, edges=2, layers=1, supports={}, filled=filled)
     return DisplacementSpace(bodies, order)
 
 

@@ -14,7 +14,10 @@ import pytest
 import ngcell
 from ngcell.build.reported import Step
 from ngcell.build.simulation import Simulation
+from ngcell.build.stages import Stage
 from ngcell.cli.summary import summary_lines
+from ngcell.errors import CaseError
+from ngcell.export import read_summary
 from ngcell.results.error import ERROR_NAMES
 from ngcell.results.finding import compare
 from ngcell.results.quantities import View
@@ -99,7 +102,41 @@ def test_errors_of_bonds_are_not_estimated_and_a_run_says_so(tmp_path: Path):
     assert last.certified and "estimated_error" not in recording.summary["certificate"]
     (mesh,) = recording.summary["meshes"]
     assert (mesh["order"], mesh["grading"]) == (3, 0)
-    assert "last step    errors were not estimated" in summary_lines(recording, tmp_path)
+    lines = list(summary_lines(recording, tmp_path))
+    assert "certificate  passed; error not estimated: bonds remember how they were loaded" in lines
+    assert not any("±" in line for line in lines)
+    for said in (recording.summary, read_summary(tmp_path / "out")):
+        assert said["accuracy"] is None
+        assert said["error_not_estimated"] == "bonds remember how they were loaded"
+        assert not isfinite(said["last_step"]["energy_error"] or nan)
+
+
+def test_a_run_without_accuracy_says_that_nothing_was_estimated(tmp_path: Path):
+    case = ngcell.read_case("shear-empty-3x3", [*PAIR, "accuracy=inf"])
+    recording = ngcell.record(case, tmp_path / "out", pictures=False)
+    *_, last = recording
+    assert all(isnan(getattr(last, f"{name}_error")) for name in ERROR_NAMES)
+    assert "certificate  passed; error not estimated: accuracy = inf" in summary_lines(recording, tmp_path)
+    assert ngcell.inspect(case)["error_not_estimated"] == "accuracy = inf"
+
+
+def test_a_run_with_an_estimate_has_no_such_word(tmp_path: Path):
+    recording = ngcell.record(ngcell.read_case("shear-empty-3x3", SMALL), tmp_path / "out", pictures=False)
+    assert [record.certified for record in recording][-1]
+    assert "certificate  passed" in summary_lines(recording, tmp_path)
+    assert recording.summary["accuracy"] == 0.01 and recording.summary["error_not_estimated"] == ""
+
+
+def test_where_there_is_no_room_for_a_finer_mesh_nothing_is_certified():
+    simulation = Simulation(ngcell.read_case("shear-empty-3x3", PAIR))
+
+    def no_room(stage: Stage) -> Simulation:
+        raise CaseError("too large")
+
+    simulation.refinement._build = no_room
+    tied, released = simulation.accepted_steps()
+    assert isnan(released.record.energy_error)
+    assert failures(released) == ("estimated_error",)
 
 
 def test_bodies_are_refined_as_far_as_their_error_asks_for():

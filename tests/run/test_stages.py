@@ -45,11 +45,21 @@ def test_a_corner_that_sticks_out_may_be_held_on_one_side():
     assert 0.7 < singular_exponent(space_of(occ.Rectangle(1, 1).Face())) < 0.72
 
 
-def test_a_lower_accuracy_may_end_on_a_mesh_that_a_higher_one_leaves_out():
-    meshes = steps(read_case("shear-empty-3x3", ["accuracy=0.1"]))
-    assert meshes[0] == (2, 1) and (4, 1) in meshes
-    assert (4, 1) not in steps(read_case("shear-empty-3x3", ["accuracy=0.01"]))
+def test_meshes_grow_and_the_finest_is_for_a_high_accuracy():
+    meshes = steps(read_case("shear-empty-3x3", ["accuracy=0.001"]))
+    assert meshes[0] == (2, 1) and meshes[-1] == (6, 3)
+    assert steps(read_case("shear-empty-3x3", ["accuracy=0.01"])) == meshes[:-1]
     assert [one < two for one, two in zip(meshes, meshes[1:], strict=False)] == [True] * (len(meshes) - 1)
+
+
+def test_before_a_mesh_is_graded_its_order_has_told_the_error():
+    """A grade leaves what it does not reach, which is known only from an error that was told before."""
+    stages = stages_of(read_case("shear-empty-3x3"))
+    kinds = [two.refining(one, 0.6) for one, two in zip(stages, stages[1:], strict=False)]
+    first = next(number for number, kind in enumerate(kinds) if kind.is_graded)
+    assert first >= 2 and not kinds[first - 1].is_graded
+    assert kinds[0].remains == pytest.approx((2 / 3) ** 2.4)
+    assert kinds[first].remains == pytest.approx(0.2**1.2)
 
 
 def test_where_no_error_is_to_be_estimated_there_is_the_mesh_of_the_case_alone():
