@@ -13,9 +13,11 @@ if TYPE_CHECKING:
     from ngcell.contact.methods.by_penalty import Penalty
     from ngcell.contact.methods.normal_law import NormalLaw
     from ngcell.errors import CaseError, DependencyError, GeometryError, NgcellError, NotConverged, OutputError
+    from ngcell.geometry.tissues.brick import Brick
     from ngcell.geometry.tissues.honeycomb import Tissue
     from ngcell.geometry.tissues.perturbed import Perturbed
     from ngcell.geometry.tissues.polygons import PolygonTissue
+    from ngcell.geometry.tissues.voronoi import Voronoi
     from ngcell.geometry.user_bodies.block import Block
     from ngcell.geometry.user_bodies.disc import Disc
     from ngcell.geometry.user_bodies.ring import Ring
@@ -71,9 +73,11 @@ _PLACES = {
     "ngcell.errors": (
         "CaseError", "DependencyError", "GeometryError", "NgcellError", "NotConverged", "OutputError",
     ),
+    "ngcell.geometry.tissues.brick": ("Brick",),
     "ngcell.geometry.tissues.honeycomb": ("Tissue",),
     "ngcell.geometry.tissues.perturbed": ("Perturbed",),
     "ngcell.geometry.tissues.polygons": ("PolygonTissue",),
+    "ngcell.geometry.tissues.voronoi": ("Voronoi",),
     "ngcell.geometry.user_bodies.block": ("Block",),
     "ngcell.geometry.user_bodies.disc": ("Disc",),
     "ngcell.geometry.user_bodies.ring": ("Ring",),
@@ -116,6 +120,7 @@ __all__ = [
     "BodyMeshChoice",
     "BodyScene",
     "BodySupport",
+    "Brick",
     "Case",
     "CaseError",
     "CellPressure",
@@ -160,6 +165,7 @@ __all__ = [
     "Tissue",
     "Traction",
     "View",
+    "Voronoi",
     "inspect",
     "read_case",
     "record",

@@ -16,6 +16,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
+#: Distance as a share of a cell's side below which places are one.
+_SAME = 1e-6
+
 
 @dataclass(frozen=True, eq=False)
 class Outlines:
@@ -93,6 +96,30 @@ class Outlines:
         """Area of each cell [length**2], shape (cells,)."""
         return enclosed_areas(self.corners, self)
 
+    @cached_property
+    def polygons(self) -> NDArray[np.object_]:
+        """Each cell as a polygon of shapely, shape (cells,)."""
+        return self.polygons_with(self.corners)
+
+    def polygons_with(self, corners: Array) -> NDArray[np.object_]:
+        """Return the polygon of each cell with these corners in place of its own, shape (cells,)."""
+        import shapely
+
+        return np.asarray(shapely.polygons(shapely.linearrings(corners, indices=self.cell)))
+
+    @cached_property
+    def on_hull(self) -> NDArray[np.bool_]:
+        """Which sides lie on the hull of the tissue: outer ones, but for those around pores; shape (corners,)."""
+        import shapely
+
+        hull = shapely.boundary(shapely.polygons(shapely.get_exterior_ring(_parts(self.polygons))))
+        outer = np.flatnonzero(self.twins < 0)
+        middle = shapely.points((self.corners + self.corners[self.ahead])[outer] / 2)
+        found = np.zeros(len(self.corners), dtype=bool)
+        near, _ = shapely.STRtree(hull).query(middle, predicate="dwithin", distance=_SAME * self.side)
+        found[outer[near]] = True
+        return found
+
     @property
     def side(self) -> float:
         """Side of the regular hexagon of the cells' mean area [length]: the scale of a cell."""
@@ -111,6 +138,13 @@ class Outlines:
     def of_cells(self, value: Array | float) -> Array:
         """Return a value for each cell, whether one is given or one for all."""
         return np.broadcast_to(np.asarray(value, dtype=float), (self.cell_count,))
+
+
+def _parts(polygons: NDArray[np.object_]) -> NDArray[np.object_]:
+    """Return the connected parts of what polygons cover together."""
+    import shapely
+
+    return np.asarray(shapely.get_parts(shapely.union_all(polygons)))
 
 
 def following(counts: Index) -> Index:

@@ -75,6 +75,8 @@ _SHIPPED = {
         {
             "honeycomb": "ngcell.geometry.tissues.honeycomb:Tissue",
             "perturbed": "ngcell.geometry.tissues.perturbed:Perturbed",
+            "brick": "ngcell.geometry.tissues.brick:Brick",
+            "voronoi": "ngcell.geometry.tissues.voronoi:Voronoi",
         },
         default="honeycomb",
         protocol="ngcell.geometry.tissues.protocol:TissueGeometry",
