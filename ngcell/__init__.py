@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     from ngcell.errors import CaseError, DependencyError, GeometryError, NgcellError, NotConverged, OutputError
     from ngcell.geometry.tissues.brick import Brick
     from ngcell.geometry.tissues.honeycomb import Tissue
+    from ngcell.geometry.tissues.label_image import LabelImage
     from ngcell.geometry.tissues.perturbed import Perturbed
+    from ngcell.geometry.tissues.polygon_file import Polygons
     from ngcell.geometry.tissues.polygons import PolygonTissue
     from ngcell.geometry.tissues.voronoi import Voronoi
     from ngcell.geometry.user_bodies.block import Block
@@ -75,7 +77,9 @@ _PLACES = {
     ),
     "ngcell.geometry.tissues.brick": ("Brick",),
     "ngcell.geometry.tissues.honeycomb": ("Tissue",),
+    "ngcell.geometry.tissues.label_image": ("LabelImage",),
     "ngcell.geometry.tissues.perturbed": ("Perturbed",),
+    "ngcell.geometry.tissues.polygon_file": ("Polygons",),
     "ngcell.geometry.tissues.polygons": ("PolygonTissue",),
     "ngcell.geometry.tissues.voronoi": ("Voronoi",),
     "ngcell.geometry.user_bodies.block": ("Block",),
@@ -135,6 +139,7 @@ __all__ = [
     "Frame",
     "GeometryError",
     "Inclusion",
+    "LabelImage",
     "LoadStepping",
     "MeshChoice",
     "MooneyRivlin",
@@ -149,6 +154,7 @@ __all__ = [
     "Perturbed",
     "Plates",
     "PolygonTissue",
+    "Polygons",
     "PrescribedMotion",
     "Pressure",
     "QuadraticFibres",

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.errors import GeometryError
 from ngcell.geometry.near import components
 from ngcell.geometry.outlines import Outlines
 from ngcell.geometry.partition import outlines_through
@@ -27,20 +28,17 @@ def without_short_sides(outlines: Outlines, wall: Array | float, shortest: float
     wall : float or array of float, shape (cells,)
         Thickness of the walls [length].
     shortest : float
-        Smallest length of a side of a lumen, as a share of the wall's thickness, >= 0.
+        Smallest length of a side of a lumen, as a share of the wall's thickness, >= 0; with 0 no side goes.
 
     Notes
     -----
     Ends of a side on the hull stay on it: the corner goes where more outer walls with different directions meet, and
     midway between ends that are alike.
-
-    Raises
-    ------
-    GeometryError
-        If a cell has less than three sides left.
+    Where a cell would have less than three sides left, its wall is too thick for it: it keeps its sides, and
+    `ngcell.geometry.lumens.check_lumens` says so.
     """
     gone = 0
-    while len(short := _short_sides(outlines, wall, shortest)):
+    while shortest > 0 and len(short := _short_sides(outlines, wall, shortest)):
         node = _nodes(outlines)
         rank = _ranks(outlines, node)
         places = np.zeros((node.max() + 1, 2))
@@ -55,7 +53,10 @@ def without_short_sides(outlines: Outlines, wall: Array | float, shortest: float
                 places[kept] = (places[one] + places[two]) / 2
             goal[other], taken[[one, two]] = kept, True
             gone += 1
-        outlines = outlines_through(places, goal[node], outlines.counts)
+        try:
+            outlines = outlines_through(places, goal[node], outlines.counts)
+        except GeometryError:
+            return outlines, 0
     return outlines, gone
 
 

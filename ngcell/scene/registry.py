@@ -77,6 +77,8 @@ _SHIPPED = {
             "perturbed": "ngcell.geometry.tissues.perturbed:Perturbed",
             "brick": "ngcell.geometry.tissues.brick:Brick",
             "voronoi": "ngcell.geometry.tissues.voronoi:Voronoi",
+            "polygons": "ngcell.geometry.tissues.polygon_file:Polygons",
+            "image": "ngcell.geometry.tissues.label_image:LabelImage",
         },
         default="honeycomb",
         protocol="ngcell.geometry.tissues.protocol:TissueGeometry",
