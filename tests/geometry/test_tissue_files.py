@@ -205,7 +205,7 @@ BAD_IMAGES = {
     "two pieces": (changed(slice(25, 35), slice(5, 15), 2), "", "label 2 is of 2 pieces; allowed"),
     "hole": (changed(slice(25, 35), slice(5, 15), 0), "", "label 3 has a hole; allowed"),
     "speck": (changed(slice(0, 1), slice(0, 2), 9), "", "label 9 has 2 pixels; allowed: 4 or more"),
-    "thin cell": (changed(slice(19, 20), slice(5, 15), 9), "tolerance = 3.0", "has no area left.*: a smaller tolerance"),
+    "thin cell": (changed(slice(19, 20), slice(5, 15), 9), "tolerance = 3", "has no area left.*: a smaller toleran"),
     "colours": (np.zeros((20, 20, 3)), "", "has 3 channels; allowed: one, a label image"),
     "thick wall": (IMAGE, "wall = 1.0", "cell 0, about .* its wall of 1 closes its lumen.*allowed: 0 < wall < 0.9"),
 }
