@@ -108,15 +108,29 @@ class Outlines:
         return np.asarray(shapely.polygons(shapely.linearrings(corners, indices=self.cell)))
 
     @cached_property
+    def _parts(self) -> NDArray[np.object_]:
+        """The connected parts of what the cells cover together, as polygons of shapely."""
+        import shapely
+
+        return np.asarray(shapely.get_parts(shapely.union_all(self.polygons, grid_size=_SAME * self.side)))
+
+    @property
+    def pore_count(self) -> int:
+        """Number of pores that cells enclose."""
+        import shapely
+
+        return int(shapely.get_num_interior_rings(self._parts).sum())
+
+    @cached_property
     def on_hull(self) -> NDArray[np.bool_]:
         """Which sides lie on the hull of the tissue: outer ones, but for those around pores; shape (corners,)."""
         import shapely
 
-        hull = shapely.boundary(shapely.polygons(shapely.get_exterior_ring(_parts(self.polygons))))
+        hull = shapely.get_exterior_ring(self._parts)
         outer = np.flatnonzero(self.twins < 0)
         middle = shapely.points((self.corners + self.corners[self.ahead])[outer] / 2)
         found = np.zeros(len(self.corners), dtype=bool)
-        near, _ = shapely.STRtree(hull).query(middle, predicate="dwithin", distance=_SAME * self.side)
+        near, _ = shapely.STRtree(hull).query(middle, predicate="dwithin", distance=4 * _SAME * self.side)
         found[outer[near]] = True
         return found
 
@@ -138,13 +152,6 @@ class Outlines:
     def of_cells(self, value: Array | float) -> Array:
         """Return a value for each cell, whether one is given or one for all."""
         return np.broadcast_to(np.asarray(value, dtype=float), (self.cell_count,))
-
-
-def _parts(polygons: NDArray[np.object_]) -> NDArray[np.object_]:
-    """Return the connected parts of what polygons cover together."""
-    import shapely
-
-    return np.asarray(shapely.get_parts(shapely.union_all(polygons)))
 
 
 def following(counts: Index) -> Index:
