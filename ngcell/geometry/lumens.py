@@ -59,13 +59,13 @@ def check_lumens(outlines: Outlines, wall: Array | float, name: str = "cell") ->
     good = can_be_swept(outlines, wall)
     if good.all():
         return
-    cell = int(np.argmin(good))
+    cell, count = int(np.argmin(good)), int((~good).sum())
     x, y = outlines.corners[outlines.cell == cell].mean(0)
     thickness = float(outlines.of_cells(wall)[cell])
     largest = largest_wall(outlines, cell, thickness)
     raise GeometryError(
         f"{name} {cell}, about ({x:.4g}, {y:.4g}): its wall of {thickness:.4g} closes its lumen, or one side of it; "
-        f"allowed: 0 < wall < {largest:.4g} in this cell" + (f" ({(~good).sum()} cells have such walls)")
+        f"allowed: 0 < wall < {largest:.4g} in this cell" + (f" (one of {count} such cells)" if count > 1 else "")
     )
 
 
