@@ -6,7 +6,7 @@ import ngsolve
 import numpy as np
 import pytest
 
-from ngcell import Brick, CaseError, MeshChoice, Voronoi
+from ngcell import Brick, CaseError, MeshChoice, Polygons, Voronoi
 from ngcell.contact.pairing.facing import find_facing
 from ngcell.contact.surface.find import find_surface
 from ngcell.geometry.bodies import LOWER_PLATE, UPPER_PLATE
@@ -84,6 +84,43 @@ def test_sides_too_short_for_the_wall_are_collapsed_or_refused():
                 "shortest = 0.0 }"
             ],
         )
+
+
+@pytest.mark.parametrize("grading", [0, 1, 3])
+@pytest.mark.parametrize("kind", ["brick", "voronoi", "re-entrant"])
+def test_lumens_of_any_shape_are_filled_to_the_last_element(kind, grading, tmp_path):
+    (tmp_path / "l.csv").write_text("cell,x,y\n0,0,0\n0,3,0\n0,3,1\n0,1,1\n0,1,3\n0,0,3\n")
+    tissue = {
+        "brick": lambda: Brick(**BRICKS),
+        "voronoi": lambda: Voronoi(**POINTS, seed=1),
+        "re-entrant": lambda: Polygons(file=str(tmp_path / "l.csv"), wall=0.1),
+    }[kind]()
+    bodies = tissue.mesh("plates", MeshChoice(grading=grading), filled=True)
+    area = ngsolve.Integrate(ngsolve.CF(1), bodies.mesh, element_wise=True).NumPy()
+    jacobian = ngsolve.Det(ngsolve.specialcf.JacobianMatrix(2))
+    assert area.min() > 0 and ngsolve.Integrate(ngsolve.IfPos(jacobian, 0, 1), bodies.mesh, order=5) == 0
+    np.testing.assert_allclose(np.bincount(bodies.body_of_element, area), tissue.outlines.areas, rtol=1e-12)
+    hollow = tissue.mesh("plates", MeshChoice(grading=grading)).mesh
+    assert ngsolve.Integrate(1, bodies.mesh.Materials("filling")) == pytest.approx(
+        tissue.outlines.areas.sum() - ngsolve.Integrate(1, hollow), rel=1e-12
+    )
+    walls = {name for name in bodies.mesh.GetBoundaries() if name != "lumen"}
+    assert "lumen" not in bodies.mesh.GetBoundaries() and walls == set(hollow.GetBoundaries()) - {"lumen"}
+    # Every edge inside belongs to two elements of its cell: what fills a lumen is bonded to its wall.
+    mesh = bodies.mesh
+    edges = np.array([[edge.nr for edge in element.edges] for element in mesh.Elements()])
+    of_edge = np.bincount(edges.ravel(), minlength=mesh.nedge)
+    outer = sum(1 for _ in mesh.Elements(ngsolve.BND))
+    assert (of_edge == 1).sum() == outer and of_edge.max() == 2
+
+
+def test_closed_prisms_of_any_outline_have_end_walls():
+    tissue = Brick(**BRICKS | {"height": 1.0, "end_wall": 0.1, "layers": 2})
+    bodies = tissue.mesh("plates", MeshChoice(slices=2))
+    assert ngsolve.Integrate(1, bodies.mesh) == pytest.approx(24 * (2 - 1.8 * 0.8 * 0.8), rel=1e-12)
+    volume = ngsolve.Integrate(ngsolve.CF(1), bodies.mesh, element_wise=True).NumPy()
+    ends = np.bincount(bodies.body_of_element, volume * bodies.is_end_wall)
+    np.testing.assert_allclose(ends, 2 * 0.1 * 1.8 * 0.8, rtol=1e-12)
 
 
 def test_prisms_of_any_outline_are_hollow():

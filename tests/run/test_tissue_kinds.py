@@ -13,6 +13,7 @@ from matplotlib.image import imread
 from ngcell import Case, GeometryError, inspect, read_case, simulate
 from ngcell.build.discretisation import discretise
 from ngcell.build.simulation import Simulation
+from ngcell.build.stages import stages_of
 from ngcell.cli import ngcell
 from ngcell.export.plan import places, wall_lines
 from ngcell.run import draw_layout
@@ -81,6 +82,26 @@ def test_pressure_is_that_of_each_cell(kind, tmp_path):
     step = simulate(case(kind, tmp_path, load, lumen=lumen))[-1]
     assert step.record.certified
     assert step.record.energy != pytest.approx(simulate(case(kind, tmp_path, load))[-1].record.energy, rel=1e-3)
+
+
+SOFT = {"kind": "inclusion", "material": {"kind": "mooney-rivlin", "c1": 0.05, "c2": 0.05, "bulk_modulus": 10.0}}
+
+
+@pytest.mark.parametrize("kind", ["brick", "polygons"])
+def test_filled_cells_are_certified_and_stiffer_than_hollow_ones(kind, tmp_path):
+    """Bonded where cells are tied, the same frame deforms hollow and filled cells; what fills them stores more."""
+    hollow, filled = (simulate(case(kind, tmp_path, SHEARED, lumen=lumen)) for lumen in (None, SOFT))
+    assert filled[-1].record.certified, filled[-1].report
+    assert filled[0].record.energy > 1.05 * hollow[0].record.energy
+
+
+def test_where_lumens_are_meshed_anew_for_each_grading_there_is_one_grading(tmp_path):
+    def gradings(kind: str, lumen: dict[str, object] | None) -> set[int]:
+        scene = case(kind, tmp_path, SHEARED, lumen=lumen, accuracy=0.01)
+        return {stage.grading for stage in stages_of(scene)}
+
+    assert gradings("brick", SOFT) == {1}
+    assert gradings("brick", None) == gradings("perturbed", SOFT) == {1, 2}
 
 
 def test_check_tells_cells_areas_walls_and_neighbours(tmp_path):

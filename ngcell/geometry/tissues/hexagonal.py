@@ -15,6 +15,7 @@ from ngcell.geometry.outlines import Outlines
 from ngcell.geometry.tissues.protocol import Lumens, TissueDensity
 from ngcell.geometry.tissues.stacks import (
     Stack,
+    checked_end_wall,
     default_size,
     edges_along,
     ring_elements,
@@ -158,11 +159,7 @@ class HexagonalCells(BaseModel):
     @field_validator("end_wall")
     @classmethod
     def _within_the_height(cls, end_wall: float | None, info: ValidationInfo) -> float | None:
-        height = info.data.get("height")
-        if end_wall is not None and (height is None or 2 * end_wall >= height):
-            limit = "height / 2, with a height" if height is None else f"{height / 2:.6g}, half of the height"
-            refuse("allowed: 0 < end_wall < {limit}", limit=limit)
-        return end_wall
+        return checked_end_wall(end_wall, info.data.get("height"))
 
     @field_validator("layers")
     @classmethod

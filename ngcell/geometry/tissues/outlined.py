@@ -19,6 +19,7 @@ from ngcell.geometry.short_sides import without_short_sides
 from ngcell.geometry.tissues.protocol import Lumens, TissueDensity
 from ngcell.geometry.tissues.stacks import (
     Stack,
+    checked_end_wall,
     default_size,
     edges_along,
     ring_elements,
@@ -53,6 +54,8 @@ class OutlinedCells(BaseModel):
         default half of a cell's side, which is that of a hexagon of the cells' mean area.
     height : float, optional
         Height of the cells along z, > 0: they are prisms, hollow from end to end. Without it the scene is planar.
+    end_wall : float, optional
+        Thickness of walls that close both ends of prisms, in (0, height / 2).
     layers : int
         Number of layers of prisms, >= 1, each of this height, stacked along z.
     """
@@ -61,6 +64,8 @@ class OutlinedCells(BaseModel):
 
     #: Share of a cell's side that `held_within` is by default.
     held_share: ClassVar[float] = 0.5
+    #: Elements in lumens of one grading are no parts of those of another.
+    nests_lumens: ClassVar[bool] = False
 
     kind: str
     wall: PositiveNumber
@@ -68,6 +73,7 @@ class OutlinedCells(BaseModel):
     shortest: NonNegativeNumber = 0.0
     held_within: PositiveNumber | None = None
     height: PositiveNumber | None = None
+    end_wall: PositiveNumber | None = None
     layers: PositiveCount = 1
 
     @abstractmethod
@@ -88,11 +94,6 @@ class OutlinedCells(BaseModel):
     def walls(self) -> float:
         """Thickness of the walls [length]."""
         return self.wall
-
-    @property
-    def end_wall(self) -> None:
-        """Prisms are open at their ends."""
-        return None
 
     @property
     def side(self) -> float:
@@ -119,18 +120,21 @@ class OutlinedCells(BaseModel):
         self, supported: str | None, choice: TissueDensity, lumens: Lumens | None = None, *, filled: bool = False
     ) -> BodyMesh:
         """Return the mesh, one body a cell; see `ngcell.geometry.tissues.protocol.TissueGeometry`."""
-        size = self._size(choice)
+        size, stack = self._size(choice), self._stack(choice)
+        edges = edges_along(self.outlines.lengths, self.wall, size, choice)
+        if filled or self.end_wall is not None:
+            edges += edges % 2  # lumens are meshed between every second node
         within = (self.held_within or self.held_share * self.side) + _ROUND_OFF * self.side
         choices: dict[str, Any] = {
             "wall": self.wall,
             "radius": self.corner_radius,
-            "edges": edges_along(self.outlines.lengths, self.wall, size, choice),
+            "edges": edges,
             "layers": through_wall(self.wall, size, choice),
             "grading": choice.grading or 0,
             "supports": held_walls(self.outlines, supported, within),
             "filled": filled,
         }
-        return stacked_mesh(self.outlines, self._stack(choice), lumens, choices)
+        return stacked_mesh(self.outlines, stack, lumens, choices)
 
     def _size(self, choice: TissueDensity) -> float:
         return choice.size or default_size(self.side, self.wall)
@@ -138,7 +142,13 @@ class OutlinedCells(BaseModel):
     def _stack(self, choice: TissueDensity) -> Stack | None:
         if self.height is None:
             return None
-        return Stack(self.layers, self.height, choice.slices or ceil(self.height / self._size(choice) - 1e-9))
+        slices = choice.slices or max(1, ceil(self.height / self._size(choice) - 1e-9))
+        return Stack(self.layers, self.height, slices, self.end_wall)
+
+    @field_validator("end_wall")
+    @classmethod
+    def _within_the_height(cls, end_wall: float | None, info: ValidationInfo) -> float | None:
+        return checked_end_wall(end_wall, info.data.get("height"))
 
     @field_validator("layers")
     @classmethod

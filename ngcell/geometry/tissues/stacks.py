@@ -15,6 +15,7 @@ from ngcell.geometry.prisms import prism_mesh
 from ngcell.geometry.rings import WIDEST
 from ngcell.geometry.sections import ring_mesh, ring_section
 from ngcell.geometry.tissues.protocol import Lumens, TissueDensity
+from ngcell.scene.scope import refuse
 
 #: Default edges: at most this many wall thicknesses long, and at least this many to a side.
 SLENDERNESS, FEWEST_EDGES = 5.0, 2
@@ -40,6 +41,14 @@ class Stack:
     height: float
     slices: int
     end_wall: float | None = None
+
+
+def checked_end_wall(end_wall: float | None, height: float | None) -> float | None:
+    """Return the thickness of end walls [length]; refuse one that prisms of this height have no room for."""
+    if end_wall is not None and (height is None or 2 * end_wall >= height):
+        limit = "height / 2, with a height" if height is None else f"{height / 2:.6g}, half of the height"
+        refuse("allowed: 0 < end_wall < {limit}", limit=limit)
+    return end_wall
 
 
 def default_size(side: float, wall: float) -> float:
