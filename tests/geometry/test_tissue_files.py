@@ -186,7 +186,7 @@ BAD_FILES = {
     ),
     "round corner": ("a.csv", table([SQUARE]), "corner_radius = 1.9", "round corners of cell 0 meet on one .*< 1.7"),
     "flat end wall": ("a.csv", table([SQUARE]), "end_wall = 0.1", "tissue.end_wall = 0.1: allowed: .*with a height"),
-    "unknown key": ("a.csv", table([SQUARE]), "rows = 1", "bad.toml:5: tissue.rows = 1 is unknown; allowed: kind, wall"),
+    "unknown key": ("a.csv", table([SQUARE]), "rows = 1", "bad.toml:5: tissue.rows = 1 is unknown; allowed: kind"),
     "no plate": (
         "a.csv",
         table([[(0, 0), (1, 1), (0, 2), (-1, 1)]]),
