@@ -14,9 +14,13 @@ if TYPE_CHECKING:
     from ngcell.contact.methods.normal_law import NormalLaw
     from ngcell.ensemble import members
     from ngcell.errors import CaseError, DependencyError, GeometryError, NgcellError, NotConverged, OutputError
+    from ngcell.geometry.tissues.brick import Brick
     from ngcell.geometry.tissues.honeycomb import Tissue
+    from ngcell.geometry.tissues.label_image import LabelImage
     from ngcell.geometry.tissues.perturbed import Perturbed
+    from ngcell.geometry.tissues.polygon_file import Polygons
     from ngcell.geometry.tissues.polygons import PolygonTissue
+    from ngcell.geometry.tissues.voronoi import Voronoi
     from ngcell.geometry.user_bodies.block import Block
     from ngcell.geometry.user_bodies.disc import Disc
     from ngcell.geometry.user_bodies.ring import Ring
@@ -73,9 +77,13 @@ _PLACES = {
     "ngcell.errors": (
         "CaseError", "DependencyError", "GeometryError", "NgcellError", "NotConverged", "OutputError",
     ),
+    "ngcell.geometry.tissues.brick": ("Brick",),
     "ngcell.geometry.tissues.honeycomb": ("Tissue",),
+    "ngcell.geometry.tissues.label_image": ("LabelImage",),
     "ngcell.geometry.tissues.perturbed": ("Perturbed",),
+    "ngcell.geometry.tissues.polygon_file": ("Polygons",),
     "ngcell.geometry.tissues.polygons": ("PolygonTissue",),
+    "ngcell.geometry.tissues.voronoi": ("Voronoi",),
     "ngcell.geometry.user_bodies.block": ("Block",),
     "ngcell.geometry.user_bodies.disc": ("Disc",),
     "ngcell.geometry.user_bodies.ring": ("Ring",),
@@ -118,6 +126,7 @@ __all__ = [
     "BodyMeshChoice",
     "BodyScene",
     "BodySupport",
+    "Brick",
     "Case",
     "CaseError",
     "CellPressure",
@@ -132,6 +141,7 @@ __all__ = [
     "Frame",
     "GeometryError",
     "Inclusion",
+    "LabelImage",
     "LoadStepping",
     "MeshChoice",
     "MooneyRivlin",
@@ -146,6 +156,7 @@ __all__ = [
     "Perturbed",
     "Plates",
     "PolygonTissue",
+    "Polygons",
     "PrescribedMotion",
     "Pressure",
     "QuadraticFibres",
@@ -162,6 +173,7 @@ __all__ = [
     "Tissue",
     "Traction",
     "View",
+    "Voronoi",
     "inspect",
     "members",
     "read_case",

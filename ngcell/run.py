@@ -7,19 +7,26 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import BaseModel
 
+from ngcell import export
 from ngcell.build.additions import Additions, told_additions
+from ngcell.build.discretisation import discretise
 from ngcell.build.memory import entry_count, foreseen_memory, solver_name
 from ngcell.build.options import Options
 from ngcell.build.problems import OwnTerm
 from ngcell.build.reported import Step
 from ngcell.build.simulation import Simulation
+from ngcell.build.stages import stages_of
 from ngcell.contact.pairing.facing import count_corners
 from ngcell.errors import CaseError, NotConverged, OutputError
 from ngcell.export import accepted_steps, cannot_resume, read_restart, read_summary, restore_case
+from ngcell.geometry.bodies import FRAME, LOWER_PLATE, UPPER_PLATE
+from ngcell.geometry.statistics import tissue_table
 from ngcell.recording import Recording, RecordingOptions, recorded_text, use_threads
+from ngcell.results.layout import layout_of
 from ngcell.results.observables.observable import Observable
-from ngcell.scene import AnyCase, BodyScene, read_case
+from ngcell.scene import AnyCase, BodyScene, Case, read_case
 from ngcell.scene.written_bodies import is_from_python
 from ngcell.solve.step import StepFailed
 from ngcell.solve.strategies.strategy import Strategy
@@ -176,6 +183,7 @@ def inspect(case: AnyCase | BodyScene, *, options: Options | None = None) -> dic
     minimiser = finer.released.minimisers[-1]
     entries, solver = entry_count(finer.problem, minimiser), solver_name(minimiser)
     return {
+        **_tissue(case),
         "bodies": simulation.bodies.body_count,
         "elements": int(simulation.bodies.mesh.ne),
         "order": simulation.space.order,
@@ -195,6 +203,42 @@ def inspect(case: AnyCase | BodyScene, *, options: Options | None = None) -> dic
         "solver": solver,
         "memory_foreseen_gib": round(foreseen_memory(entries, solver), 2),
     }
+
+
+def draw_layout(case: AnyCase | BodyScene, path: Path) -> Path:
+    """Draw what would be solved: cells with their numbers, elements, walls and supports; return `path`.
+
+    Prisms are seen along their axes.
+
+    Raises
+    ------
+    GeometryError
+        If the scene is of solids.
+    OutputError
+        If the file cannot be written.
+    """
+    meshed: Any = stages_of(case)[0].scene
+    if isinstance(meshed, Case) and isinstance(meshed.tissue, BaseModel):
+        flat = {"height": None, "end_wall": None, "layers": 1}
+        flat = {name: value for name, value in flat.items() if name in type(meshed.tissue).model_fields}
+        tissue: Any = meshed.tissue.model_copy(update=flat)
+        load = meshed.load
+        bodies = tissue.mesh(load.supported, meshed.mesh)
+        supports = [] if load.supported is None else [LOWER_PLATE, UPPER_PLATE, FRAME]
+    else:
+        found = discretise(meshed)
+        bodies, supports = found.space.bodies, [support.region for support in found.motion.supports]
+    return export.draw_layout(layout_of(bodies, supports), path, title=getattr(case, "title", ""))
+
+
+def _tissue(case: AnyCase | BodyScene) -> dict[str, Any]:
+    """Return the numbers of a tissue whose cells have outlines; nothing of other scenes."""
+    tissue = getattr(case, "tissue", None)
+    outlines = getattr(tissue, "outlines", None)
+    if tissue is None or outlines is None:
+        return {}
+    _, collapsed = getattr(tissue, "plan", (outlines, 0))
+    return {"tissue": tissue_table(outlines, tissue.walls, collapsed)}
 
 
 def _extremes(values: Any) -> list[float] | None:

@@ -72,15 +72,10 @@ def check_tissue_fits(case: Case) -> None:
     CaseError
         If it cannot.
     """
-    density = getattr(case.tissue, "density", None)
-    if density is None:
+    count = getattr(case.tissue, "element_count", None)
+    if count is None:
         return  # a tissue of a script, which says nothing of its mesh
-    (along, through), grading = density(case.mesh), case.mesh.grading or 0
-    along, through = along + 2 * grading, through + max(grading - 1, 0)
-    dimension, slices = 2, 1.0
-    if case.tissue.height is not None:
-        dimension, slices = 3, case.mesh.slices or max(1.0, case.tissue.height / case.tissue.side * along)
-    elements = 6.0 * case.tissue.cell_count * along * through * slices
+    elements, dimension = float(count(case.mesh)), 2 if case.tissue.height is None else 3
     _check_fits(elements, case.mesh.plain_order, dimension, 1.0, "mesh.size, mesh.layers, mesh.slices")
 
 

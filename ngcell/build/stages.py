@@ -76,7 +76,10 @@ def stages_of(scene: AnyCase | BodyScene) -> tuple[Stage, ...]:
         return (_stage(scene, mesh.plain_order, grading or 0),)
     if given is not None:
         return _stage(scene, given, grading or 0), _stage(scene, given + 1, grading or 0, is_reported=False)
-    if is_tissue and grading is None:
+    if is_tissue and grading is None and _has_meshed_lumens(scene):
+        # Lumens that Netgen meshes are meshed anew for each grading: none is part of another.
+        chosen = [(order, 1) for order in range(2, HIGHEST_ORDER + 1)]
+    elif is_tissue and grading is None:
         chosen = list(_TISSUE if scene.accuracy < _FINE else _TISSUE[:-1])
     else:
         chosen = [(order, grading or 0) for order in range(2, HIGHEST_ORDER + 1)]
@@ -88,6 +91,13 @@ def not_estimated(scene: AnyCase | BodyScene) -> str:
     if isinf(scene.accuracy):
         return "accuracy = inf"
     return "bonds remember how they were loaded" if scene.cohesion is not None else ""
+
+
+def _has_meshed_lumens(scene: AnyCase | BodyScene) -> bool:
+    """Return whether elements in lumens, or of what closes them, depend on how walls are graded."""
+    tissue, lumen = getattr(scene, "tissue", None), getattr(scene, "lumen", None)
+    is_meshed = getattr(lumen, "solid", None) is not None or getattr(tissue, "end_wall", None) is not None
+    return is_meshed and not getattr(tissue, "nests_lumens", True)
 
 
 def _stage(scene: AnyCase | BodyScene, order: int, grading: int, *, is_reported: bool = True) -> Stage:

@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import click
 
-from ngcell.cli.arguments import case_argument, set_option
+from ngcell.cli.arguments import case_argument, picture_file, set_option
 from ngcell.cli.summary import table_lines
 
 
 @click.command()
 @case_argument
 @set_option
-def check(case: str, overrides: tuple[str, ...]) -> None:
-    """Build CASE without solving it: mesh, bodies, pairs, initial gaps and overlaps, unknowns.
+@click.option(
+    "--picture",
+    type=click.Path(dir_okay=False, path_type=Path),
+    callback=picture_file,
+    help="Draw cells, walls and supports into this PNG file.",
+)
+def check(case: str, overrides: tuple[str, ...], picture: Path | None) -> None:
+    """Build CASE without solving it: cells, mesh, bodies, pairs, initial gaps and overlaps, unknowns.
 
     CASE is a TOML file or the name of a case that comes with ngcell.
     """
@@ -24,3 +32,7 @@ def check(case: str, overrides: tuple[str, ...]) -> None:
 
     for line in table_lines(inspect(scene)):
         click.echo(line)
+    if picture is not None:
+        from ngcell.run import draw_layout
+
+        click.echo(str(draw_layout(scene, picture)))

@@ -6,11 +6,7 @@ from pathlib import Path
 
 import click
 
-
-def _picture(ctx: click.Context, parameter: click.Parameter, file: Path | None) -> Path | None:
-    if file is not None and file.suffix.lower() != ".png":
-        raise click.BadParameter(f"{str(file)!r} is no name of a picture; allowed: a file that ends with .png")
-    return file
+from ngcell.cli.arguments import picture_file
 
 
 @click.command()
@@ -18,7 +14,7 @@ def _picture(ctx: click.Context, parameter: click.Parameter, file: Path | None) 
 @click.option(
     "--screenshot",
     type=click.Path(dir_okay=False, path_type=Path),
-    callback=_picture,
+    callback=picture_file,
     help="Write a picture to this PNG file instead of opening a window.",
 )
 @click.option(

@@ -7,6 +7,7 @@ from ngcell.export.curves import draw_curves
 from ngcell.export.debonding import draw_debonding
 from ngcell.export.ensemble import EnsembleFolder, spread_table
 from ngcell.export.folder import ResultFolder
+from ngcell.export.layout_picture import draw_layout
 from ngcell.export.ownership import restore_case
 from ngcell.export.picture import draw_tissue
 from ngcell.export.restart import Restart, cannot_resume, read_restart
@@ -25,6 +26,7 @@ __all__ = [
     "cannot_resume",
     "draw_curves",
     "draw_debonding",
+    "draw_layout",
     "draw_tissue",
     "read_last_snapshot",
     "read_records",

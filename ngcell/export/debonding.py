@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ngcell.export.curves import load_axis, released_steps
 from ngcell.export.picture import DPI, INK, SOFT_INK, mark_uncertified, save_png, style_axes
+from ngcell.export.plan import places, wall_lines
 from ngcell.results.record import StepRecord
 from ngcell.results.snapshot import Grid
 
@@ -96,7 +97,7 @@ def _curve(axes: Axes, load: NDArray[Any], values: Sequence[float], label: str, 
 
 
 def _draw_plan(figure: Figure, axes: Axes, pairs: Sequence[PairOnset], cells: Grid) -> None:
-    """Draw each pair as the wall midway between its cells; those that have not opened in grey.
+    """Draw the common wall of each pair; those that have not opened in grey.
 
     Layers of prisms are laid out side by side, the lowest first; a wall between two layers is a dot in the lower one.
     """
@@ -104,21 +105,21 @@ def _draw_plan(figure: Figure, axes: Axes, pairs: Sequence[PairOnset], cells: Gr
     from matplotlib.collections import LineCollection
     from matplotlib.colors import Normalize, to_rgba
 
-    place, layer = _places(cells)
+    place, layer = places(cells)
     pairs = sorted(pairs, key=lambda pair: bool(np.isfinite(pair[2])))  # opened walls are drawn above the grey ones
     first, second = (np.array([pair[end] for pair in pairs]) for end in range(2))
-    one, two = place[first], place[second]
-    half = (two - one)[:, ::-1] * [-0.5, 0.5] / np.sqrt(3)  # half the side of a hexagon, across the line of centres
-    lines = np.stack([(one + two) / 2 - half, (one + two) / 2 + half], axis=1)
     onset = np.array([onset for _, _, onset in pairs])
     opened, level = np.isfinite(onset), layer[first] == layer[second]
+    walls = wall_lines(cells, np.column_stack([first, second])[level])
+    number = np.repeat(np.flatnonzero(level), [len(wall) for wall in walls])
+    lines = np.concatenate([np.zeros((0, 2, 2)), *walls])
     scale = Normalize(*((onset[opened].min(), onset[opened].max()) if opened.any() else (0.0, 1.0)))
     shown = ScalarMappable(scale, "plasma_r")
     colour = np.where(opened[:, None], shown.to_rgba(onset), to_rgba(_CLOSED))
-    axes.add_collection(LineCollection(lines[level], colors=colour[level], linewidths=3.5))
+    axes.add_collection(LineCollection(list(lines), colors=colour[number], linewidths=3.5, capstyle="round"))
     dots = np.where(layer[first] < layer[second], first, second)[~level]
     axes.scatter(place[dots, 0], place[dots, 1], s=90, color=colour[~level])
-    drawn = np.concatenate([lines[level].reshape(-1, 2), place[dots]])
+    drawn = np.concatenate([lines.reshape(-1, 2), place[dots]])
     axes.set(xlim=_limits(drawn[:, 0]), ylim=_limits(drawn[:, 1]), aspect="equal")
     axes.set_axis_off()
     axes.set_title(f"{int(opened.sum())} of {len(pairs)} wall pairs have opened", fontsize=10.5, color=INK)
@@ -126,21 +127,6 @@ def _draw_plan(figure: Figure, axes: Axes, pairs: Sequence[PairOnset], cells: Gr
         bar = figure.colorbar(shown, cax=figure.add_axes(_BAR_PANEL))
         bar.set_label("opened at plate displacement", color=INK, labelpad=7)
         bar.outline.set(edgecolor=SOFT_INK, linewidth=0.8)
-
-
-def _places(cells: Grid) -> tuple[NDArray[np.float64], NDArray[np.integer]]:
-    """Return the places of cells in the plan, shape (cells, 2), and their layers, which stand side by side.
-
-    The place of a cell is the mean of its points in the reference state.
-    """
-    owner = np.repeat(np.ravel(cells.cell_data["cell_id"]), cells.cells.shape[1])
-    count = np.bincount(owner)
-    points = cells.points[cells.cells.ravel()]
-    centre = np.column_stack([np.bincount(owner, points[:, axis]) / np.maximum(count, 1) for axis in range(3)])
-    tallest = float(np.ptp(cells.points[:, 2]))
-    heights, layer = np.unique((centre[:, 2] / (tallest or 1.0)).round(6), return_inverse=True)
-    width = float(np.ptp(cells.points[:, 0]))
-    return centre[:, :2] + np.outer(layer, [1.1 * width, 0.0]), layer
 
 
 def _limits(values: NDArray[np.float64]) -> tuple[float, float]:

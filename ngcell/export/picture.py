@@ -65,7 +65,7 @@ def draw_tissue(snapshot: Snapshot, path: Path, *, title: str, certified: bool) 
     bulk = planar_view(snapshot.bulk)
     deformed = (bulk.points + bulk.point_data["displacement"])[:, :2]
     loops = cell_loops(bulk)
-    figure, axes = _canvas(np.vstack([deformed, bulk.points[:, :2]]))
+    figure, axes = canvas(np.vstack([deformed, bulk.points[:, :2]]))
     _draw_reference(axes, bulk, loops)
     colours = _draw_bodies(axes, bulk, deformed, loops)
     _add_colour_bar(figure, axes, colours)
@@ -103,7 +103,7 @@ def style_axes(axes: Axes) -> None:
     axes.tick_params(colors=INK, labelsize=10, color=SOFT_INK, width=0.8)
 
 
-def _canvas(points: NDArray[Any]) -> tuple[Figure, Axes]:
+def canvas(points: NDArray[Any]) -> tuple[Figure, Axes]:
     """Return a figure and axes in the proportions of these points, shape (points, 2)."""
     from matplotlib.figure import Figure
 

@@ -1,14 +1,18 @@
-"""The lumens of hexagonal cells as quadrilaterals that share the nodes of their walls.
+"""The lumens of cells as quadrilaterals that share the nodes of their walls.
 
 A hexagon is three quadrangles that meet in its centre; each takes the wall's nodes along two of its sides. In a regular
-one they are rhombi.
+one they are rhombi. Any other lumen is triangulated by Netgen between every second node of its wall, and each triangle
+is three quadrilaterals around its centre, with the nodes between as middles of its sides.
 """
 
 from __future__ import annotations
 
 import numpy as np
+from netgen import meshing, occ
 from numpy.typing import NDArray
 
+from ngcell.errors import GeometryError
+from ngcell.geometry.boundaries import NETGEN_ERRORS
 from ngcell.geometry.lattice import WALLS
 
 Array = NDArray[np.float64]
@@ -16,6 +20,10 @@ Index = NDArray[np.int64]
 
 #: Corners of the hexagon that a quadrangle has opposite to the centre.
 _TIPS = (1, 3, 5)
+#: Netgen's largest size over the longest edge around a lumen, so that it divides none; how fast sizes grow.
+_UNDIVIDED, _GROWTH = 1.01, 0.3
+#: Distance as a share of the longest edge below which two nodes are one.
+_SAME = 1e-7
 
 
 def lumen_quads(outlines: Array) -> tuple[Array, Index]:
@@ -86,3 +94,65 @@ def _quadrangle(outlines: Array, corner: int, edges: int) -> Array:
     return np.asarray(
         (1 - one) * (1 - two) * ends[0] + one * (1 - two) * ends[1] + (1 - one) * two * ends[2] + one * two * centre
     )
+
+
+def any_lumen_quads(outline: Array) -> tuple[Array, Index]:
+    """Return the nodes inside a lumen of any shape and the quadrilaterals that fill it.
+
+    Parameters
+    ----------
+    outline : array of float, shape (2 n, 2)
+        Nodes along the inner wall, counter-clockwise; every corner is one with an even number [length].
+
+    Returns
+    -------
+    points : array of float, shape (points, 2)
+        Nodes inside [length].
+    quads : array of int, shape (quads, 4)
+        Corners, counter-clockwise: numbers up to ``2 n`` are nodes of the outline, further ones those inside.
+
+    Raises
+    ------
+    GeometryError
+        If Netgen cannot mesh it.
+    """
+    places, triangles = _triangulated(outline[::2])
+    count = len(outline) // 2
+    side = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2), axis=2).reshape(-1, 2)
+    sides, number = np.unique(side, axis=0, return_inverse=True)
+    on_wall = np.sort(np.column_stack([np.arange(count), (np.arange(count) + 1) % count]), axis=1)
+    known = np.full(len(sides), -1)
+    known[np.searchsorted(sides @ [len(places), 1], on_wall @ [len(places), 1])] = 2 * np.arange(count) + 1
+    # Nodes inside: those of triangles, middles of their sides, and their centres.
+    inner = np.flatnonzero(known < 0)
+    node = np.concatenate([2 * np.arange(count), 2 * count + np.arange(len(places) - count)])
+    first = 2 * count + len(places) - count
+    known[inner] = first + np.arange(len(inner))
+    centre = first + len(inner) + np.arange(len(triangles))
+    middle, corner = known[number.ravel()].reshape(-1, 3), node[triangles]
+    quads = [np.column_stack([corner[:, k], middle[:, k], centre, middle[:, k - 1]]) for k in range(3)]
+    points = [places[count:], places[sides[inner]].mean(1), places[triangles].mean(1)]
+    return np.concatenate(points), np.concatenate(quads)
+
+
+def _triangulated(outline: Array) -> tuple[Array, Index]:
+    """Return places and triangles of a polygon, counter-clockwise; its corners come first, and no side is divided."""
+    corners = [occ.Pnt(x, y, 0) for x, y in outline]
+    wire = occ.Wire([occ.Segment(*ends) for ends in zip(corners, [*corners[1:], corners[0]], strict=True)])
+    longest = np.linalg.norm(np.roll(outline, -1, axis=0) - outline, axis=1).max()
+    how = meshing.MeshingParameters(maxh=_UNDIVIDED * longest, grading=_GROWTH, segmentsperedge=0.01)
+    try:
+        mesh = occ.OCCGeometry(occ.Face(wire), dim=2).GenerateMesh(mp=how)
+    except NETGEN_ERRORS as error:
+        raise GeometryError(f"Netgen cannot mesh a lumen about {outline.mean(0)} ({error})") from error
+    places = np.asarray(mesh.Coordinates()[:, :2])
+    nearest = np.linalg.norm(places[:, None] - outline, axis=2)
+    if len(mesh.Elements1D()) != len(outline) or nearest.min(0).max() > _SAME * longest:
+        raise GeometryError(f"Netgen divides the wall of a lumen about {outline.mean(0)}; allowed: hollow cells")
+    order = np.concatenate([nearest.argmin(0), np.setdiff1d(np.arange(len(places)), nearest.argmin(0))])
+    triangles = np.argsort(order)[mesh.Elements2D().NumPy()["nodes"][:, :3].astype(np.int64) - 1]
+    places = places[order]
+    one, two = (places[triangles[:, k]] - places[triangles[:, 0]] for k in (1, 2))
+    clockwise = one[:, 0] * two[:, 1] < one[:, 1] * two[:, 0]
+    triangles[clockwise] = triangles[clockwise, ::-1]
+    return places, triangles

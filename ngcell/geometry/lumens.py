@@ -14,10 +14,11 @@ from ngcell.errors import GeometryError
 from ngcell.geometry.outlines import Outlines
 
 Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 #: Smallest length of a side of a lumen, as a share of the wall's thickness: shorter ones leave slivers.
 SHORTEST = 0.05
+#: Divisor in place of zero.
+_TINY = 1e-300
 #: Halvings by which the largest thickness of a wall is found.
 _HALVINGS = 30
 
@@ -32,20 +33,10 @@ def can_be_swept(outlines: Outlines, wall: Array | float) -> NDArray[np.bool_]:
         along = ((lumen[outlines.ahead] - lumen) * outlines.directions).sum(1)
     is_kept = np.isfinite(lumen).all(1) & (along >= SHORTEST * thickness[outlines.cell])
     good = np.bincount(outlines.cell[~is_kept], minlength=outlines.cell_count) == 0
-    asked = np.flatnonzero(good)
-    inside, outside = (polygons(corners, outlines, asked) for corners in (lumen, outlines.corners))
-    good[asked] = shapely.is_valid(outside) & shapely.is_valid(inside)
-    good[good] = shapely.contains_properly(outside[good[asked]], inside[good[asked]])
-    return np.asarray(good)
-
-
-def polygons(corners: Array, outlines: Outlines, cells: Index) -> NDArray[np.object_]:
-    """Return the polygons of some cells, with these corners in place of those of the outlines, shape (cells,)."""
-    import shapely
-
-    taken = np.isin(outlines.cell, cells)
-    rank = np.searchsorted(cells, outlines.cell[taken])
-    return np.asarray(shapely.polygons(shapely.linearrings(corners[taken], indices=rank)))
+    inside, outside = outlines.polygons_with(np.where(good[outlines.cell, None], lumen, 0.0)), outlines.polygons
+    good &= shapely.is_valid(outside) & shapely.is_valid(inside)
+    good[good] = shapely.contains_properly(outside[good], inside[good])
+    return np.asarray(good, dtype=bool)
 
 
 def largest_wall(outlines: Outlines, cell: int, wall: float) -> float:
@@ -68,11 +59,32 @@ def check_lumens(outlines: Outlines, wall: Array | float, name: str = "cell") ->
     good = can_be_swept(outlines, wall)
     if good.all():
         return
-    cell = int(np.argmin(good))
+    cell, count = int(np.argmin(good)), int((~good).sum())
     x, y = outlines.corners[outlines.cell == cell].mean(0)
     thickness = float(outlines.of_cells(wall)[cell])
     largest = largest_wall(outlines, cell, thickness)
     raise GeometryError(
         f"{name} {cell}, about ({x:.4g}, {y:.4g}): its wall of {thickness:.4g} closes its lumen, or one side of it; "
-        f"allowed: 0 < wall < {largest:.4g} in this cell" + (f" ({(~good).sum()} cells have such walls)")
+        f"allowed: 0 < wall < {largest:.4g} in this cell" + (f" (one of {count} such cells)" if count > 1 else "")
     )
+
+
+def check_corners(outlines: Outlines, wall: Array | float, cut: float) -> None:
+    """Check that outer corners can be rounded, each of which loses this length of both of its sides.
+
+    Raises
+    ------
+    GeometryError
+        If a side is shorter than what its corners lose, or an arc cuts through the wall.
+    """
+    half = np.maximum(outlines.exterior_angles, 0.0) / 2
+    # The arc's radius is cut / tan(half); it passes the wall's inner corner at wall = radius (1 - cos(half)).
+    through = outlines.of_cells(wall)[outlines.cell] / np.maximum(np.tan(half / 2) * np.cos(half), _TINY)
+    for limits, what in ((outlines.lengths / 2, "meet on one of its sides"), (through, "cut through its wall")):
+        corner = int(limits.argmin())
+        if cut >= limits[corner]:
+            x, y = outlines.corners[corner]
+            raise GeometryError(
+                f"round corners of cell {outlines.cell[corner]} {what}, about ({x:.4g}, {y:.4g}); "
+                f"allowed: 0 <= corner_radius < {np.sqrt(3) * limits[corner]:.4g}"
+            )

@@ -16,6 +16,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
+#: Distance as a share of a cell's side below which places are one.
+_SAME = 1e-6
+
 
 @dataclass(frozen=True, eq=False)
 class Outlines:
@@ -92,6 +95,44 @@ class Outlines:
     def areas(self) -> Array:
         """Area of each cell [length**2], shape (cells,)."""
         return enclosed_areas(self.corners, self)
+
+    @cached_property
+    def polygons(self) -> NDArray[np.object_]:
+        """Each cell as a polygon of shapely, shape (cells,)."""
+        return self.polygons_with(self.corners)
+
+    def polygons_with(self, corners: Array) -> NDArray[np.object_]:
+        """Return the polygon of each cell with these corners in place of its own, shape (cells,)."""
+        import shapely
+
+        return np.asarray(shapely.polygons(shapely.linearrings(corners, indices=self.cell)))
+
+    @cached_property
+    def _parts(self) -> NDArray[np.object_]:
+        """The connected parts of what the cells cover together, as polygons of shapely."""
+        import shapely
+
+        return np.asarray(shapely.get_parts(shapely.union_all(self.polygons, grid_size=_SAME * self.side)))
+
+    @property
+    def pore_count(self) -> int:
+        """Number of pores that cells enclose."""
+        import shapely
+
+        return int(shapely.get_num_interior_rings(self._parts).sum())
+
+    @cached_property
+    def on_hull(self) -> NDArray[np.bool_]:
+        """Which sides lie on the hull of the tissue: outer ones, but for those around pores; shape (corners,)."""
+        import shapely
+
+        hull = shapely.get_exterior_ring(self._parts)
+        outer = np.flatnonzero(self.twins < 0)
+        middle = shapely.points((self.corners + self.corners[self.ahead])[outer] / 2)
+        found = np.zeros(len(self.corners), dtype=bool)
+        near, _ = shapely.STRtree(hull).query(middle, predicate="dwithin", distance=4 * _SAME * self.side)
+        found[outer[near]] = True
+        return found
 
     @property
     def side(self) -> float:

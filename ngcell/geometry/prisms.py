@@ -127,11 +127,11 @@ def _faces(section: Section, inner: Sequence[int], last: int) -> list[tuple[str,
         slices = inner if name in section.lumens else range(last)
         parts = [_swept(edges, count, slices)[:, [0, 1, 3, 2]]]
         if section.caps is not None and name in section.lumens:
-            caps = section.caps[section.lumens[name]].reshape(-1, 4)
+            caps = np.concatenate([section.caps[cell] for cell in section.lumens[name]])
             parts += [caps + count, caps[:, ::-1] + count * (last - 1)]
         faces.append((name, np.concatenate(parts)))
     ends = [quads for name, quads in section.regions if name != FILLING or section.caps is None]
-    ends += [] if section.caps is None else [section.caps.reshape(-1, 4)]
+    ends += section.caps or []
     end = np.concatenate(ends)
     return [*faces, (UPPER_END, end + count * last), (LOWER_END, end[:, ::-1])]
 

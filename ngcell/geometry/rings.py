@@ -30,7 +30,7 @@ ARC_EDGES = 2
 GRADE = 0.2
 #: Largest share of a side from a corner to the first graded node; ratio of distances that leaves no sliver; digits in
 #: which places along a wall differ.
-_WIDEST, _SLIVER, _DIGITS = 0.25, 1.3, 12
+WIDEST, _SLIVER, _DIGITS = 0.25, 1.3, 12
 #: Angle in radians below which a corner is none: nothing is rounded there.
 _STRAIGHT = 1e-3
 
@@ -132,7 +132,7 @@ def corner_distances(side: float, wall: float, grading: int) -> tuple[float, ...
 
     The first is the thickness of the wall, in which the corner is felt, as far as the side allows.
     """
-    return tuple(min(wall / side, _WIDEST) * GRADE**step for step in range(grading))
+    return tuple(min(wall / side, WIDEST) * GRADE**step for step in range(grading))
 
 
 def layer_shares(layers: int, grading: int) -> Array:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ngcell.errors import GeometryError
 from ngcell.geometry.bodies import FILLING, LUMEN, BodyMesh
-from ngcell.geometry.filling import lumen_quads
+from ngcell.geometry.filling import any_lumen_quads, lumen_quads
 from ngcell.geometry.lattice import WALLS
 from ngcell.geometry.outlines import Outlines
 from ngcell.geometry.rings import Rings, sweep
@@ -46,8 +46,10 @@ class Section:
         Thickness of the thinnest wall [length].
     lumens : dict of str to array of int
         Cells whose inner walls belong to each region that is not a wall.
-    caps : array of int, shape (cells, n, 4), optional
+    caps : list of array of int, shape (n, 4), optional
         Quadrilaterals that close the lumen of each cell, where cells are to be closed.
+    filling_counts : array of int, shape (cells,), optional
+        Number of quadrilaterals that fill the lumen of each cell, where they are filled.
     """
 
     points: Array
@@ -58,7 +60,8 @@ class Section:
     length: float
     wall: float
     lumens: dict[str, Index]
-    caps: Index | None = None
+    caps: list[Index] | None = None
+    filling_counts: Index | None = None
 
     def body_mesh(
         self,
@@ -74,8 +77,10 @@ class Section:
         cells, layer by layer, and that of all fillings. `wall_names` replace those of the section."""
         cells = layers * self.cell_count
         body = np.repeat(np.arange(cells), counts[:cells])
-        filled = len(counts) > cells
-        filling = np.repeat(np.arange(cells), counts[-1] // cells) if filled else np.zeros(0, dtype=np.int64)
+        filled, filling = self.filling_counts is not None, np.zeros(0, dtype=np.int64)
+        if self.filling_counts is not None:
+            slices = counts[-1] // (layers * int(self.filling_counts.sum()))
+            filling = np.repeat(np.arange(cells), np.tile(self.filling_counts * slices, layers))
         return BodyMesh(
             mesh=ngsolve.Mesh(mesh),
             body_of_element=np.concatenate([body, filling]),
@@ -121,18 +126,20 @@ def ring_section(
     """
     rings = sweep(outlines, wall=wall, radius=radius, edges=edges, layers=layers, grading=grading)
     cells, rows = outlines.cell_count, len(rings.nodes)
-    inside, filling = _fillings(rings) if filled or closed else (np.zeros((cells, 0, 2)), None)
-    sizes = rows * rings.counts + inside.shape[1]
+    inside, fillings = _fillings(rings) if filled or closed else ([np.zeros((0, 2))] * cells, [])
+    within_lumens = np.array([len(places) for places in inside])
+    sizes = rows * rings.counts + within_lumens
     first = np.cumsum(sizes) - sizes
     within = np.arange(len(rings.cell)) - np.repeat(np.cumsum(rings.counts) - rings.counts, rings.counts)
     number = first[rings.cell] + within + rings.counts[rings.cell] * np.arange(rows)[:, None]
     points = np.empty((sizes.sum(), 2))
-    points[number] = rings.nodes
-    points[(first + rows * rings.counts)[:, None] + np.arange(inside.shape[1])] = inside
+    is_inside = np.ones(len(points), dtype=bool)
+    is_inside[number] = False
+    points[number], points[is_inside] = rings.nodes, np.concatenate(inside)
     regions = _ring_quads(number, rings, cells)
-    caps = None if filling is None else filling + (first + (rows - 1) * rings.counts)[:, None, None]
-    if caps is not None and filled:
-        regions.append((FILLING, caps.reshape(-1, 4)))
+    caps = [quads + start for quads, start in zip(fillings, first + (rows - 1) * rings.counts, strict=False)]
+    if filled:
+        regions.append((FILLING, np.concatenate(caps)))
     hollow = {} if filled else lumens or {LUMEN: np.arange(cells)}
     return Section(
         points=points,
@@ -144,6 +151,7 @@ def ring_section(
         wall=float(np.min(wall)),
         lumens=hollow,
         caps=caps if closed else None,
+        filling_counts=np.array([len(quads) for quads in caps]) if filled else None,
     )
 
 
@@ -178,17 +186,21 @@ def int32(numbers: NDArray[Any]) -> NDArray[np.int32]:
     return np.ascontiguousarray(numbers, dtype=np.int32)
 
 
-def _fillings(rings: Rings) -> tuple[Array, Index]:
-    """Return the nodes inside each lumen, (cells, n, 2), and the quadrilaterals of one; see `lumen_quads`."""
+def _fillings(rings: Rings) -> tuple[list[Array], list[Index]]:
+    """Return the nodes inside each lumen, and the quadrilaterals that fill it; see `ngcell.geometry.filling`."""
     is_corner = np.bincount(rings.cell, np.diff(rings.side, prepend=-1) > 0, len(rings.counts))
     on_side = np.bincount(rings.side)
-    if (is_corner != WALLS).any() or (on_side != on_side[0]).any():
-        cell = int(np.argmax(is_corner != WALLS))
+    if (is_corner == WALLS).all() and (on_side == on_side[0]).all():
+        points, quads = lumen_quads(rings.nodes[-1].reshape(len(rings.counts), -1, 2))
+        return list(points), [quads] * len(points)
+    if (on_side % 2).any():
+        cell = int(rings.cell[np.isin(rings.side, np.flatnonzero(on_side % 2))][0])
         raise GeometryError(
-            f"cell {cell} is no hexagon with as many elements along each side, and its lumen cannot be meshed; "
-            "allowed: hollow cells, open at their ends"
+            f"cell {cell} has a side with an odd number of elements, and its lumen cannot be meshed; allowed: another "
+            "mesh.size, or hollow cells, open at their ends"
         )
-    return lumen_quads(rings.nodes[-1].reshape(len(rings.counts), -1, 2))
+    found = [any_lumen_quads(outline) for outline in np.split(rings.nodes[-1], np.cumsum(rings.counts)[:-1])]
+    return [places for places, _ in found], [quads for _, quads in found]
 
 
 def _ring_quads(number: Index, rings: Rings, cells: int) -> list[tuple[str, Index]]:

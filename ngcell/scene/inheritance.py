@@ -2,7 +2,8 @@
 
 Tables merge key by key. A table of another `kind` takes the place of the inherited one. In lists of tables
 that each have a `name`, or a `boundary`, of their own, those of the same merge and others are added; any other list
-takes the place of the inherited one. Expected numbers are never inherited: they belong to one scene.
+takes the place of the inherited one. Expected numbers are never inherited: they belong to one scene. Paths of files
+are relative to the case file that names them.
 """
 
 from __future__ import annotations
@@ -56,7 +57,7 @@ def read_table(file: Path, shown: str | None = None, heirs: tuple[Path, ...] = (
     """
     shown = shown or str(file)
     text = _text(file)
-    table = _parsed(text, shown)
+    table = _located(_parsed(text, shown), file.parent)
     places = {path: Place(shown, line, len(heirs)) for path, line in key_lines(text).items()}
     if "extends" not in table:
         return CaseTable(table, places)
@@ -164,6 +165,14 @@ def _text(file: Path) -> str:
         raise CaseError(f"{file}: cannot be read ({reason}); allowed: a readable TOML file") from error
     except UnicodeDecodeError as error:
         raise CaseError(f"{file}: byte {error.start} is not UTF-8; allowed: a TOML file in UTF-8") from error
+
+
+def _located(table: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """Return the table of a case in this folder with absolute paths of the files that it names."""
+    tissue = table.get("tissue")
+    if not isinstance(tissue, dict) or not isinstance(tissue.get("file"), str) or not tissue["file"]:
+        return table
+    return {**table, "tissue": {**tissue, "file": str((folder / tissue["file"]).absolute())}}
 
 
 def _parsed(text: str, shown: str) -> dict[str, Any]:

@@ -75,6 +75,10 @@ _SHIPPED = {
         {
             "honeycomb": "ngcell.geometry.tissues.honeycomb:Tissue",
             "perturbed": "ngcell.geometry.tissues.perturbed:Perturbed",
+            "brick": "ngcell.geometry.tissues.brick:Brick",
+            "voronoi": "ngcell.geometry.tissues.voronoi:Voronoi",
+            "polygons": "ngcell.geometry.tissues.polygon_file:Polygons",
+            "image": "ngcell.geometry.tissues.label_image:LabelImage",
         },
         default="honeycomb",
         protocol="ngcell.geometry.tissues.protocol:TissueGeometry",

@@ -114,7 +114,7 @@ def test_any_honeycomb_case_is_perturbed_by_overrides():
         (
             ("tissue.spread=0.45", "tissue.wall=0.6", "tissue.seed=1"),
             r"tissue.spread = 0.45: cell \d, about \(.*\): its wall of 0.6 closes its lumen, or one side of it; "
-            r"allowed: 0 < wall < 0.\d+ in this cell .*; or a smaller spread",
+            r"allowed: 0 < wall < 0.\d+ in this cell.*; or a smaller spread",
         ),
     ],
 )

@@ -10,19 +10,23 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationInfo, field_validator
 
 from ngcell.geometry.bodies import FRAME, LOWER_PLATE, UPPER_PLATE, BodyMesh
-from ngcell.geometry.lattice import Lattice, hexagonal_lattice
+from ngcell.geometry.lattice import WALLS, Lattice, hexagonal_lattice
 from ngcell.geometry.outlines import Outlines
-from ngcell.geometry.prisms import prism_mesh
-from ngcell.geometry.rings import corner_distances
-from ngcell.geometry.sections import ring_mesh, ring_section
 from ngcell.geometry.tissues.protocol import Lumens, TissueDensity
+from ngcell.geometry.tissues.stacks import (
+    Stack,
+    checked_end_wall,
+    default_size,
+    edges_along,
+    ring_elements,
+    stacked_mesh,
+    through_wall,
+)
 from ngcell.scene.scope import refuse
 from ngcell.scene.section import SECTION, NonNegativeNumber, PositiveCount, PositiveNumber
 
 Array = NDArray[np.float64]
 
-#: Default edges: at most this many wall thicknesses long, and at least this many to a side.
-_SLENDERNESS, _FEWEST_EDGES = 5.0, 2
 #: A patch beyond this is out of reach of a direct solver on one machine; far more often it is a typing error.
 MOST_CELLS = 10_000
 
@@ -99,16 +103,21 @@ class HexagonalCells(BaseModel):
 
     def density(self, choice: TissueDensity) -> tuple[int, int]:
         """Return the number of elements along a side, between graded ones, and through the wall, before grading."""
-        size = choice.size or min(self.side / _FEWEST_EDGES, _SLENDERNESS * self.wall)
-        layers = choice.layers or max(1, round(self.wall / size))
-        ends = corner_distances(1.0, self.wall / self.side, min(choice.grading or 0, 1))
-        return max(1, ceil((1 - 2 * sum(ends)) * self.side / size - 1e-9)), layers
+        size = choice.size or default_size(self.side, self.wall)
+        edges = edges_along(np.array([self.side]), self.wall, size, choice)
+        return int(edges[0]), through_wall(self.wall, size, choice)
+
+    def element_count(self, choice: TissueDensity) -> int:
+        """Return the number of elements, at least, without meshing."""
+        edges, through = self.density(choice)
+        sides = np.full(WALLS * self.rows * self.cols, edges)
+        return ring_elements(sides, through, choice, self._stack(choice))
 
     def mesh(
         self, supported: str | None, choice: TissueDensity, lumens: Lumens | None = None, *, filled: bool = False
     ) -> BodyMesh:
         """Return the mesh, one body a cell; see `ngcell.geometry.tissues.protocol.TissueGeometry`."""
-        outlines, (edges, through) = self.outlines, self.density(choice)
+        edges, through = self.density(choice)
         choices: dict[str, Any] = {
             "wall": self.walls,
             "radius": self.corner_radius,
@@ -118,15 +127,13 @@ class HexagonalCells(BaseModel):
             "supports": supported_walls(self.lattice, supported),
             "filled": filled,
         }
+        return stacked_mesh(self.outlines, self._stack(choice), lumens, choices)
+
+    def _stack(self, choice: TissueDensity) -> Stack | None:
         if self.height is None:
-            return ring_mesh(outlines, lumens=lumens, **choices)
-        slices = choice.slices or max(1, ceil(self.height / self.side * edges - 1e-9))
-        cells, closed = self.rows * self.cols, self.end_wall is not None
-        sections = [
-            ring_section(outlines, **choices, lumens=_of_layer(layer, cells, lumens), closed=closed)
-            for layer in range(self.layers)
-        ]
-        return prism_mesh(*sections, height=self.height, slices=slices, end_wall=self.end_wall)
+            return None
+        slices = choice.slices or max(1, ceil(self.height / self.side * self.density(choice)[0] - 1e-9))
+        return Stack(self.layers, self.height, slices, self.end_wall)
 
     @field_validator("cols")
     @classmethod
@@ -152,11 +159,7 @@ class HexagonalCells(BaseModel):
     @field_validator("end_wall")
     @classmethod
     def _within_the_height(cls, end_wall: float | None, info: ValidationInfo) -> float | None:
-        height = info.data.get("height")
-        if end_wall is not None and (height is None or 2 * end_wall >= height):
-            limit = "height / 2, with a height" if height is None else f"{height / 2:.6g}, half of the height"
-            refuse("allowed: 0 < end_wall < {limit}", limit=limit)
-        return end_wall
+        return checked_end_wall(end_wall, info.data.get("height"))
 
     @field_validator("layers")
     @classmethod
@@ -197,10 +200,3 @@ def supported_walls(lattice: Lattice, supported: str | None) -> dict[str, NDArra
         return {FRAME: lattice.neighbours < 0}
     top = int(lattice.row_of_cell.max())
     return {LOWER_PLATE: lattice.hull_walls(0, -1), UPPER_PLATE: lattice.hull_walls(top, 1)}
-
-
-def _of_layer(layer: int, cells: int, lumens: Lumens | None) -> Lumens | None:
-    """Return the cells of each region that are in a layer of so many cells, by their numbers in it."""
-    if lumens is None:
-        return None
-    return {name: member[member // cells == layer] - layer * cells for name, member in lumens.items()}

@@ -1,0 +1,72 @@
+"""The picture of what would be solved: cells with their numbers, elements, walls and supports."""
+
+from __future__ import annotations
+
+from itertools import cycle
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ngcell.export.picture import INK, SOFT_INK, canvas, save_png
+from ngcell.results.layout import Layout
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_BODY, _FILLING, _ELEMENT = "#dbe6ee", "#f3efe2", "#b4c2cd"
+_SUPPORTS = ("#b3361e", "#1f5f8b", "#4a7a3a", "#c98a1b")
+#: Numbers of bodies are left out where there are more.
+_MOST_NUMBERS = 400
+
+
+def draw_layout(layout: Layout, path: Path, *, title: str = "") -> Path:
+    """Draw bodies at rest: elements, walls in black, supports in colours of their own; return `path`.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written.
+    """
+    figure, axes = canvas(np.concatenate(layout.elements))
+    _draw_elements(axes, layout)
+    _draw_edges(axes, layout)
+    _draw_numbers(axes, layout)
+    axes.set_title(title, loc="left", fontsize=12, fontweight="bold", color=INK, pad=22)
+    return save_png(figure, path)
+
+
+def _draw_elements(axes: Axes, layout: Layout) -> None:
+    from matplotlib.collections import PolyCollection
+
+    colours = [_FILLING if filling else _BODY for filling in layout.is_filling]
+    axes.add_collection(
+        PolyCollection(layout.elements, facecolors=colours, edgecolors=_ELEMENT, linewidths=0.35, zorder=1)
+    )
+
+
+def _draw_edges(axes: Axes, layout: Layout) -> None:
+    from matplotlib.collections import LineCollection
+
+    plain = [name for name in layout.edges if name not in layout.support_names]
+    for name in plain:
+        colour, width = (INK, 0.9) if name in layout.wall_names else (SOFT_INK, 0.6)
+        axes.add_collection(LineCollection(list(layout.edges[name]), colors=colour, linewidths=width, zorder=2))
+    for name, colour in zip(layout.support_names, cycle(_SUPPORTS), strict=False):
+        lines = LineCollection(list(layout.edges[name]), colors=colour, linewidths=2.6, zorder=3, label=name)
+        axes.add_collection(lines)
+    if layout.support_names:
+        axes.legend(
+            loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, frameon=False, fontsize=9, labelcolor=INK
+        )
+
+
+def _draw_numbers(axes: Axes, layout: Layout) -> None:
+    """Write the number of each body in the middle of it."""
+    count = int(layout.body.max()) + 1
+    if count > _MOST_NUMBERS:
+        return
+    for body in range(count):
+        places = np.concatenate([layout.elements[number] for number in np.flatnonzero(layout.body == body)])
+        x, y = (places.min(0) + places.max(0)) / 2
+        axes.text(x, y, str(body), ha="center", va="center", fontsize=8, color=SOFT_INK, zorder=4)
