@@ -12,6 +12,7 @@ from functools import cached_property
 from math import isfinite
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ngcell.build.balance import check_balance
 from ngcell.build.discretisation import discretise
@@ -20,6 +21,7 @@ from ngcell.clock import Clock
 from ngcell.contact.cohesion.bonds import bond_walls
 from ngcell.contact.methods.terms import CohesionTerm, ContactTerm
 from ngcell.contact.pairing.facing import find_facing
+from ngcell.contact.pairing.near import Reach
 from ngcell.contact.surface.find import find_surface
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.symbolic import fused
@@ -34,6 +36,7 @@ from ngcell.solve.effort import Budget
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.released import Released
 
+Array = NDArray[np.float64]
 OwnTerm = Callable[[DisplacementSpace], Term]
 
 #: Walls that face each other nearer than this share of their thickness count as touching at rest.
@@ -73,7 +76,7 @@ class Problems:
         self.longest_step = self.bodies.thickness / 2
         self.setup = Setup(
             walls=self.walls,
-            facing=find_facing(self.walls, _TOUCHING * self.bodies.thickness, self._facing_reach),
+            facing=find_facing(self.walls, _TOUCHING * self.bodies.thickness_of_body, self._facing_reach),
             motion=self.motion,
             moved=built.moved,
             prescribed_displacement=built.prescribed_displacement,
@@ -112,16 +115,18 @@ class Problems:
         return self._contact_stages[-1]
 
     @cached_property
-    def _reach(self) -> float:
-        """Distance up to which walls are paired [length]: bodies that overlap at rest are found, too."""
-        usual = 2 * self.longest_step
+    def _reach(self) -> Array:
+        """Distance up to which walls of each body are paired [length]: bodies that overlap at rest are found, too."""
+        thickness = self.bodies.thickness_of_body
+        # The thickest one is never the thinner of two.
+        usual = np.minimum(thickness, np.sort(thickness)[-2:][0])
         if self.bodies.dimension == 3:
-            return usual
+            return np.asarray(usual)
         deepest = deepest_overlap_of_bodies(self.space, self.walls, self.space.rest)
-        return max(usual, deepest + self.longest_step)
+        return np.asarray(np.maximum(usual, deepest + self.longest_step))
 
     @property
-    def _facing_reach(self) -> float:
+    def _facing_reach(self) -> Reach:
         """Distance up to which walls face each other [length]: those of a tissue touch, others may be apart."""
         return 0.0 if isinstance(self._case, Case) else self._reach
 
