@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ngcell.build.balance import check_balance
 from ngcell.build.discretisation import discretise
+from ngcell.build.drift import check_nothing_drifts
 from ngcell.build.options import Options
 from ngcell.clock import Clock
 from ngcell.contact.cohesion.bonds import bond_walls
@@ -68,11 +69,11 @@ class Problems:
     ) -> None:
         self.clock, self.options, self.accuracy = clock, options, scene.accuracy
         self._case, self.levels = scene, scene.level_factors
-        self._budget = Budget(options.solver.most_iterations)
         with clock.phase("meshing"):
             self.discretisation = built = discretise(scene)
             self.bodies, self.space, self.motion = built.space.bodies, built.space, built.motion
             self.walls = find_surface(self.bodies, self.space.scalar, self.space.rest)
+        self._budget = Budget(options.solver.work_of(self.bodies.body_count))
         self.longest_step = self.bodies.thickness / 2
         self.setup = Setup(
             walls=self.walls,
@@ -84,6 +85,8 @@ class Problems:
         )
         self._terms = (*built.terms, *(own(self.space) for own in terms))
         check_balance(self.space, self._terms, self.motion.fixed)
+        if scene.cohesion is None and not terms:
+            check_nothing_drifts(self.space, self._terms, self.motion)
 
     @cached_property
     def cohesion(self) -> tuple[Term, ...]:
@@ -200,5 +203,5 @@ class Problems:
         return self.tied_problems[-1] if phase == "tied" else self.problem
 
     def renew_budget(self) -> None:
-        """Give the minimisers of this mesh all of their iterations."""
+        """Give the minimisers of this mesh all of their work."""
         self._budget.renew()

@@ -8,8 +8,8 @@ import pytest
 from netgen import occ
 
 from ngcell.errors import CaseError
-from ngcell.run import simulate
 from ngcell.results.record import StepRecord
+from ngcell.run import simulate
 from ngcell.scene import Body, BodyScene, BodySupport, MooneyRivlin, Traction
 from ngcell.solve.strategies.load_stepping import LoadStepping
 from ngcell.solve.strategies.strategy import Strategy
