@@ -18,6 +18,7 @@ from ngcell.problem.state import State
 from ngcell.results.checks import NodalForces, scales_of
 from ngcell.results.error import Numbers
 from ngcell.results.forces import ContactForces, contact_forces
+from ngcell.results.quadrature import quadrature_error
 
 Array = NDArray[np.float64]
 
@@ -118,7 +119,7 @@ def numbers_of(setup: Setup, problem: Problem, state: State, proximal: Held) -> 
         mean_gap=mean,
         largest_gap=largest,
         scales=(scales.energy, force, OPEN * thickness),
-        besides=problem.overlap_work(state.at) + proximal_energy,
+        besides=problem.overlap_work(state.at) + proximal_energy + quadrature_error(problem.terms, state.at),
     )
 
 
