@@ -21,6 +21,7 @@ from ngcell.geometry.sections import ring_mesh
 from ngcell.mechanics.bulk import BodyEnergy
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.space import DisplacementSpace
+from ngcell.mechanics.stored import StoredEnergy
 from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.problem.problem import Problem
 from ngcell.problem.state import Linearisation, State
@@ -36,6 +37,8 @@ Array = NDArray[np.float64]
 LAW = MooneyRivlin(c1=1.0, c2=1.0, bulk_modulus=100.0)
 #: Longest step of the minimiser; contact is searched in twice this distance.
 LONGEST_STEP = 0.05
+#: What bodies at rest store; for methods that do not ask.
+NOTHING = StoredEnergy(lambda: (np.zeros(0), 0.0))
 
 
 @dataclass(frozen=True, eq=False)

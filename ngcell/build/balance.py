@@ -47,7 +47,7 @@ def check_balance(space: DisplacementSpace, terms: Sequence[Term], fixed: NDArra
     free = [axis for axis in range(space.dimension) if not fixed[axis].any()]
     if not free:
         return
-    force = _load_at_rest(space, terms)
+    force = load_at_rest(space, terms)
     largest = _NOTHING * float(np.abs(force).sum())
     for axis in free:
         total = float(force[axis] @ space.one)
@@ -85,7 +85,7 @@ def is_balanced_at_rest(apart: Problem, motion: PrescribedMotion, modulus: float
     return force <= _NO_FORCE * modulus * bodies.thickness ** (bodies.dimension - 1)
 
 
-def _load_at_rest(space: DisplacementSpace, terms: Sequence[Term]) -> Array:
+def load_at_rest(space: DisplacementSpace, terms: Sequence[Term]) -> Array:
     """Return the nodal forces of loads in full on bodies at rest, shape (dimension, size)."""
     at, force = space.configuration(np.zeros(space.unknowns)), np.zeros(space.unknowns)
     for term in terms:

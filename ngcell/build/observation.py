@@ -84,7 +84,7 @@ class Observer:
     def gaps_at_rest(self) -> Array:
         """Mean gap of each facing pair at rest [length]; round-off counts as closed."""
         gap = pair_gaps(self._setup.facing, self._setup.facing.gaps(self._setup.walls, self._setup.walls.rest))
-        return np.where(np.abs(gap) < _ROUND_OFF * self._bodies.thickness, 0.0, gap)
+        return np.where(np.abs(gap) < _ROUND_OFF * self._setup.facing.thickness, 0.0, gap)
 
     @property
     def mean_gap_at_rest(self) -> float:
@@ -94,7 +94,7 @@ class Observer:
 
     def start(self) -> Checkpoint:
         """Return where a run starts whose bodies are in equilibrium at rest: no energy, and the gaps of the mesh."""
-        onsets = PairOnsets.starting(0.0, self.gaps_at_rest, self._bodies.thickness)
+        onsets = PairOnsets.starting(0.0, self.gaps_at_rest, self._setup.facing.thickness)
         return Checkpoint(work={"tied": WorkPoint(), "released": WorkPoint()}, onsets=onsets)
 
     def step(
@@ -146,10 +146,10 @@ class Observer:
     def _with_fields(self, step: Step, view: View, components: CellComponents, fields: Any) -> Step:
         """Return a step at a level, with fields, rows of walls and cells, and expected numbers."""
         record, measured, facing = step.record, step.measurement, self._setup.facing
-        thickness, at = self._bodies.thickness, view.state.at
+        at = view.state.at
         before, gaps = step.checkpoint.onsets, pair_gaps(facing, measured.gap)
         follow = PairOnsets.starting if before is None else before.after
-        onsets = follow(record.plate_displacement, gaps, thickness)
+        onsets = follow(record.plate_displacement, gaps, facing.thickness)
         gap, pressure = wall_fields(self._setup.walls, facing, view.problem, at)
         pressed = pressed_lengths(self._setup.walls, facing.pairs, view.problem, at)
         held = cell_fields(view.problem.terms, at, record.load_factor)
@@ -165,7 +165,7 @@ class Observer:
         cells = cell_records(components, measured, record.step, record.plate_displacement, held.get("cell_pressure"))
         return replace(
             step,
-            walls=wall_records(facing, measured, record.step, thickness, onsets.onset, pressed),
+            walls=wall_records(facing, measured, record.step, onsets.onset, pressed),
             cells=cells,
             snapshot=snapshot,
             findings=list(compare(self._expected, record, view, self._levels[-1])),
@@ -192,12 +192,12 @@ class Observer:
         facing, count = self._setup.facing, self._bodies.body_count
         if not problem.unknowns.lets_bodies_part:
             return CellComponents(np.zeros(count, dtype=np.int64), np.array([count]))
-        return find_components(facing, parted_pairs(facing, measured.gap, self._bodies.thickness), count)
+        return find_components(facing, parted_pairs(facing, measured.gap), count)
 
     def _record(
         self, number: int, accepted: Accepted, measured: Measurement, components: CellComponents, seconds: float
     ) -> StepRecord:
-        thickness, facing, gap = self._bodies.thickness, self._setup.facing, measured.gap
+        facing, gap = self._setup.facing, measured.gap
         further = dict(measured.columns)
         x, y, *z = measured.plate_force
         held = facing.between_held(measured.free_bodies)
@@ -211,8 +211,8 @@ class Observer:
             largest_gap=largest,
             mean_gap=mean,
             smallest_gap=float(gap.min(initial=0.0)),
-            parted_pairs=int(parted_pairs(facing, gap, thickness).sum()),
-            opened_share=opened_share(facing, gap, thickness),
+            parted_pairs=int(parted_pairs(facing, gap).sum()),
+            opened_share=opened_share(facing, gap),
             components=len(components.sizes),
             largest_component=int(components.sizes.max()),
             plate_force_x=float(x),

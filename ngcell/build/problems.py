@@ -12,14 +12,17 @@ from functools import cached_property
 from math import inf, isfinite
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ngcell.build.balance import check_balance
 from ngcell.build.discretisation import discretise
+from ngcell.build.drift import check_nothing_drifts
 from ngcell.build.options import Options
 from ngcell.clock import Clock
 from ngcell.contact.cohesion.bonds import bond_walls
 from ngcell.contact.methods.terms import CohesionTerm, ContactTerm
 from ngcell.contact.pairing.facing import find_facing
+from ngcell.contact.pairing.near import Reach
 from ngcell.contact.surface.find import find_surface
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.symbolic import fused
@@ -34,6 +37,7 @@ from ngcell.solve.effort import Budget
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.released import Released
 
+Array = NDArray[np.float64]
 OwnTerm = Callable[[DisplacementSpace], Term]
 
 #: Walls that face each other nearer than this share of their thickness count as touching at rest.
@@ -65,15 +69,15 @@ class Problems:
     ) -> None:
         self.clock, self.options, self.accuracy = clock, options, scene.accuracy
         self._case, self.levels = scene, scene.level_factors
-        self._budget = Budget(options.solver.most_iterations)
         with clock.phase("meshing"):
             self.discretisation = built = discretise(scene)
             self.bodies, self.space, self.motion = built.space.bodies, built.space, built.motion
             self.walls = find_surface(self.bodies, self.space.scalar, self.space.rest)
+        self._budget = Budget(options.solver.work_of(self.bodies.body_count))
         self.longest_step = self.bodies.thickness / 2
         self.setup = Setup(
             walls=self.walls,
-            facing=find_facing(self.walls, _TOUCHING * self.bodies.thickness, self._facing_reach),
+            facing=find_facing(self.walls, _TOUCHING * self.bodies.thickness_of_body, self._facing_reach),
             motion=self.motion,
             moved=built.moved,
             prescribed_displacement=built.prescribed_displacement,
@@ -83,6 +87,8 @@ class Problems:
         )
         self._terms = (*built.terms, *(own(self.space) for own in terms))
         check_balance(self.space, self._terms, self.motion.fixed)
+        if scene.cohesion is None and not terms:
+            check_nothing_drifts(self.space, self._terms, self.motion)
 
     @cached_property
     def cohesion(self) -> tuple[Term, ...]:
@@ -114,16 +120,18 @@ class Problems:
         return self._contact_stages[-1]
 
     @cached_property
-    def _reach(self) -> float:
-        """Distance up to which walls are paired [length]: bodies that overlap at rest are found, too."""
-        usual = 2 * self.longest_step
+    def _reach(self) -> Array:
+        """Distance up to which walls of each body are paired [length]: bodies that overlap at rest are found, too."""
+        thickness = self.bodies.thickness_of_body
+        # The thickest one is never the thinner of two.
+        usual = np.minimum(thickness, np.sort(thickness)[-2:][0])
         if self.bodies.dimension == 3:
-            return usual
+            return np.asarray(usual)
         deepest = deepest_overlap_of_bodies(self.space, self.walls, self.space.rest)
-        return max(usual, deepest + self.longest_step)
+        return np.asarray(np.maximum(usual, deepest + self.longest_step))
 
     @property
-    def _facing_reach(self) -> float:
+    def _facing_reach(self) -> Reach:
         """Distance up to which walls face each other [length]: those of a tissue touch, others may be apart."""
         return 0.0 if isinstance(self._case, Case) else self._reach
 
@@ -199,5 +207,5 @@ class Problems:
         return self.tied_problems[-1] if phase == "tied" else self.problem
 
     def renew_budget(self) -> None:
-        """Give the minimisers of this mesh all of their iterations."""
+        """Give the minimisers of this mesh all of their work."""
         self._budget.renew()

@@ -42,7 +42,9 @@ class BodyMesh:
     length : float
         The length that sets the scale of a body [length]: a cell's side.
     thickness : float
-        The smallest thickness of a body [length]: a cell's wall. Overlaps are judged against it.
+        The smallest thickness of a body [length]: a cell's wall.
+    thickness_of_body : array of float, shape (bodies,), optional
+        Thickness of each body [length], against which its overlaps are judged; by default all have the smallest.
     is_filling : array of bool, shape (elements,), optional
         Which elements fill a lumen, bonded to their wall; they form the material region `FILLING`. By default none do.
     is_end_wall : array of bool, shape (elements,), optional
@@ -59,11 +61,14 @@ class BodyMesh:
     thickness: float
     is_filling: NDArray[np.bool_] | None = None
     is_end_wall: NDArray[np.bool_] | None = None
+    thickness_of_body: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
     extent: NDArray[np.float64] = field(init=False)
 
     def __post_init__(self) -> None:
         points = np.array([vertex.point for vertex in self.mesh.vertices])
         object.__setattr__(self, "extent", np.array([points.min(0), points.max(0)]))
+        if not len(self.thickness_of_body):
+            object.__setattr__(self, "thickness_of_body", np.full(self.body_count, self.thickness))
 
     @property
     def body_count(self) -> int:

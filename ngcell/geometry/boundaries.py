@@ -113,7 +113,7 @@ def named_bodies(
     *,
     centres: Array,
     order: int,
-    thickness: float,
+    thicknesses: Sequence[float],
     untouched: Collection[str],
 ) -> BodyMesh:
     """Return the mesh of bodies with names on their materials and boundaries, curved with an order.
@@ -124,8 +124,8 @@ def named_bodies(
         As for `name_boundaries`.
     order : int
         Order of the curved elements, >= 1.
-    thickness : float
-        Smallest thickness of a body [length].
+    thicknesses : sequence of float
+        Thickness of each body [length].
     untouched : collection of str
         Boundaries that are no walls, wherever they lie.
     """
@@ -138,5 +138,6 @@ def named_bodies(
         body_names=tuple(names),
         wall_names="|".join(sorted(walls)),
         length=min(boundary.diagonal for boundary in outlines(boundaries).values()) / 2,
-        thickness=thickness,
+        thickness=min(thicknesses),
+        thickness_of_body=np.array(thicknesses),
     )

@@ -121,7 +121,7 @@ def mesh_shapes(
     body = np.asarray(elements["index"], dtype=np.int64) - 1
     centres = mesh.Coordinates()[elements["nodes"][:, :3] - 1].mean(1)[:, :2]
     return named_bodies(
-        mesh, loops, names, body, centres=centres, order=order, thickness=min(thicknesses), untouched=untouched
+        mesh, loops, names, body, centres=centres, order=order, thicknesses=thicknesses, untouched=untouched
     )
 
 

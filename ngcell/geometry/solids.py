@@ -68,7 +68,7 @@ def mesh_solids(
     body = np.asarray(elements["index"], dtype=np.int64) - 1
     centres = mesh.Coordinates()[elements["nodes"][:, :4] - 1].mean(1)
     return named_bodies(
-        mesh, shells, names, body, centres=centres, order=order, thickness=min(thicknesses), untouched=untouched
+        mesh, shells, names, body, centres=centres, order=order, thicknesses=thicknesses, untouched=untouched
     )
 
 

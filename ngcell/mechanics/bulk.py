@@ -79,6 +79,10 @@ class BodyEnergy(SymbolicTerm):
                 stress[mine] += law.fibres.cauchy_stress(gradient[mine], self._direction[element[mine]])
         return stress
 
+    def stored_in_bodies(self, at: Configuration) -> Array:
+        """Return what each body stores [energy], shape (bodies,)."""
+        return _in_bodies(self, at)
+
     @property
     def incompressibility(self) -> float:
         """Largest ratio of bulk to shear modulus."""
@@ -134,6 +138,10 @@ class InclusionEnergy(SymbolicTerm):
         stress[mine] = self.law.cauchy_stress(gradient[mine])
         return stress
 
+    def stored_in_bodies(self, at: Configuration) -> Array:
+        """Return what the filling of each lumen stores [energy], shape (bodies,)."""
+        return _in_bodies(self, at)
+
     @property
     def incompressibility(self) -> float:
         """Ratio of bulk to shear modulus."""
@@ -149,18 +157,25 @@ class InclusionEnergy(SymbolicTerm):
         With ``J sigma = dW/dF F^T`` it is ``-dW/dF : F / 3`` over the reference volume, each part of W by the rule that
         it is integrated with.
         """
-        bodies, space = self.space.bodies, self.space
+        space = self.space
         planar = ngsolve.Id(space.dimension) + ngsolve.Grad(space.function(at.displacement))
         gradient = in_three_dimensions(planar).MakeVariable()
-
-        def by_body(density: ngsolve.CoefficientFunction, inside: ngsolve.comp.DifferentialSymbol) -> Array:
-            values = np.array(ngsolve.Integrate(density * inside, bodies.mesh, element_wise=True))
-            return np.asarray(np.bincount(bodies.body_of_element, values, bodies.body_count), dtype=float)
-
-        rules = [ngsolve.dx(definedon=bodies.mesh.Materials(FILLING), bonus_intorder=self._extra), self._reduced]
+        rules = [ngsolve.dx(definedon=space.mesh.Materials(FILLING), bonus_intorder=self._extra), self._reduced]
         parts = [part.Diff(gradient) for part in self.law.energy_parts(gradient)]
-        traces = [by_body(ngsolve.InnerProduct(part, gradient), rule) for part, rule in zip(parts, rules, strict=True)]
-        return {"cell_pressure": -sum(traces) / 3 / by_body(ngsolve.Det(gradient), self._reduced)}
+        works = [ngsolve.InnerProduct(part, gradient) * rule for part, rule in zip(parts, rules, strict=True)]
+        volume = _by_body(space, ngsolve.Det(gradient) * self._reduced)
+        return {"cell_pressure": -sum(_by_body(space, work) for work in works) / 3 / volume}
+
+
+def _in_bodies(term: SymbolicTerm, at: Configuration) -> Array:
+    """Return what integrals over elements add up to in each body, shape (bodies,)."""
+    found = term.integrals(term.space.function(at.displacement))
+    return np.asarray(sum(_by_body(term.space, each) for each in found))
+
+
+def _by_body(space: DisplacementSpace, integral: ngsolve.comp.SumOfIntegrals) -> Array:
+    values, body = np.array(ngsolve.Integrate(integral, space.mesh, element_wise=True)), space.bodies.body_of_element
+    return np.asarray(np.bincount(body, values, space.body_count), dtype=float)
 
 
 def _by_element(space: DisplacementSpace, values: Array) -> tuple[ngsolve.GridFunction, ...]:

@@ -23,6 +23,7 @@ from ngcell.mechanics.applied.boundary_pressure import Pressure
 from ngcell.mechanics.applied.potential import AppliedLoads
 from ngcell.mechanics.report import Check, Scales
 from ngcell.mechanics.space import DisplacementSpace
+from ngcell.mechanics.stored import StoredEnergy
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.mechanics.term import Configuration, Drive, Role, Term
 
@@ -180,7 +181,7 @@ class LumenFluids(Term):
         assert isinstance(coarse, LumenFluids)
         self.pressure = coarse.pressures(at.displacement)
 
-    def update_multipliers(self, at: Configuration, stored: float) -> tuple[float, float]:
+    def update_multipliers(self, at: Configuration, stored: StoredEnergy) -> tuple[float, float]:
         """Take over the pressures of an equilibrium; return by how much areas were off, as a length [length], and the
         energy of that in the liquids [stress * length**2]."""
         surplus = self._surplus(at.displacement)

@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ngcell.mechanics.report import Check, Scales
+from ngcell.mechanics.stored import StoredEnergy
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -170,6 +171,10 @@ class Term(ABC):
         moves by more than half of `margin` [length]."""
         return NO_ENTRIES
 
+    def stored_in_bodies(self, at: Configuration) -> Array | None:
+        """Return what the term stores in each body [energy], shape (bodies,); None if it cannot tell."""
+        return None
+
     def unstored(self, at: Configuration) -> float:
         """Return the part of the value that is not stored in bodies: potentials, and what was dissipated."""
         return 0.0
@@ -214,8 +219,8 @@ class Term(ABC):
     def refine(self, coarse: Term, at: Configuration) -> None:
         """Take over what the same term on a coarser mesh knows at an equilibrium on that mesh."""
 
-    def update_multipliers(self, at: Configuration, stored: float) -> tuple[float, float]:
-        """Update multipliers, or a penalty that is too soft, at an equilibrium with this stored energy.
+    def update_multipliers(self, at: Configuration, stored: StoredEnergy) -> tuple[float, float]:
+        """Update multipliers, or a penalty that is too soft, at an equilibrium that stores this energy.
 
         Returns by how much conditions that the energy only approaches were missed: a length, and the energy that stands
         for it; zeros where there are none.
@@ -236,6 +241,12 @@ class Term(ABC):
     def overlap(self, at: Configuration) -> float | None:
         """Return the deepest overlap that the term sees [length]; None where it does not keep bodies apart."""
         return None
+
+    def overlap_over(self, at: Configuration, thickness: Array) -> float | None:
+        """Return the deepest overlap over the thickness of the thinner of the two bodies; None where bodies are not
+        kept apart. `thickness` has shape (bodies,) [length]."""
+        overlap = self.overlap(at)
+        return None if overlap is None else overlap / float(thickness.min())
 
     def overlap_work(self, at: Configuration) -> float:
         """Return forces times overlaps of the term [energy]: by no more than that, rigid contact would change energies.

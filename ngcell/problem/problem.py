@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ngcell.mechanics.space import DisplacementSpace
+from ngcell.mechanics.stored import StoredEnergy
 from ngcell.mechanics.symbolic import fused, parts_of
 from ngcell.mechanics.term import Configuration, Drive, OneSided, Role, Term
 from ngcell.problem.rotation import finite_rotation_update
@@ -208,10 +209,21 @@ class Problem:
     def update_multipliers(self, state: State) -> tuple[float, float]:
         """Let terms update their multipliers at an equilibrium; return the largest length by which conditions were
         missed, and the energy that stands for it."""
-        stored = state.energy - self.unstored(state.at)
+        stored = StoredEnergy(lambda: self._stored(state.at))
         # The last terms first: contact is judged by the stored energy, which fluids change when they update.
         found = [term.update_multipliers(state.at, stored) for term in reversed(self.terms)]
         return max(missed for missed, _ in found), sum(energy for _, energy in found)
+
+    def _stored(self, at: Configuration) -> tuple[Array, float]:
+        """Return what is stored in each body, and what belongs to none; what acts between bodies does not count."""
+        in_bodies, beside = np.zeros(self.space.body_count), 0.0
+        for term in self.terms:
+            mine = term.stored_in_bodies(at)
+            if mine is not None:
+                in_bodies += mine
+            elif term.role is not Role.INTERACTION:
+                beside += term.value(at) - term.unstored(at)
+        return in_bodies, beside
 
     def increase_penalty(self) -> None:
         """Let multipliers be updated in larger steps."""

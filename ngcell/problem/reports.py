@@ -32,9 +32,10 @@ def contact_pressures(terms: Sequence[Term], at: Configuration, points: object) 
     return sum(found[1:], start=found[0]) if found else None
 
 
-def deepest_overlap(terms: Sequence[Term], at: Configuration) -> float | None:
-    """Return the deepest overlap that terms see [length]; None where none keeps bodies apart."""
-    found = [overlap for term in terms if (overlap := term.overlap(at)) is not None]
+def deepest_overlap(terms: Sequence[Term], at: Configuration, thickness: Array) -> float | None:
+    """Return the deepest overlap that terms see over the thickness of the thinner body; None where none keeps bodies
+    apart. `thickness` has shape (bodies,) [length]."""
+    found = [overlap for term in terms if (overlap := term.overlap_over(at, thickness)) is not None]
     return max(found) if found else None
 
 

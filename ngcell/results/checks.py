@@ -134,7 +134,7 @@ def certify(
     on_body = _largest(forces.on_body + held + loaded) if parts else 0.0
     common = {
         "residual": _residual(problem, state, nodal, scales),
-        "penetration_over_wall": _penetration(problem, walls, state) / scales.thickness,
+        "penetration_over_wall": _penetration(problem, walls, state),
         "body_balance": on_body / largest,
         "plate_balance": float(np.linalg.norm((held + loaded).sum(0))) / largest,
         "quadrature_error": quadrature_error(problem.terms, state.at) / scales.at_stake,
@@ -145,7 +145,7 @@ def certify(
         **({} if path.lowest_curvature is None else {"lowest_curvature": path.lowest_curvature}),
     }
     found: list[Check] = [common_check(name, value, accuracy=path.accuracy) for name, value in common.items()]
-    found += [_smallest_jacobian(space, state), *_self_penetration(space, state, scales)]
+    found += [_smallest_jacobian(space, state), *_self_penetration(space, state)]
     return Certificate((*found, *checks(problem.terms, state.at, scales)))
 
 
@@ -189,13 +189,13 @@ def _smallest_jacobian(space: DisplacementSpace, state: State) -> Check:
     return common_check("smallest_jacobian", found.value, f"{body}, element {found.element}, about ({at}) at rest")
 
 
-def _self_penetration(space: DisplacementSpace, state: State, scales: Scales) -> tuple[Check, ...]:
+def _self_penetration(space: DisplacementSpace, state: State) -> tuple[Check, ...]:
     """Return how deep bodies lie in themselves; nothing in three dimensions, where that is not looked for."""
     if space.dimension == 3:
         return ()
-    depth, body = depth_in_itself(space, state.positions)
-    place = space.bodies.body_names[body] if depth > 0 else ""
-    return (common_check("self_penetration_over_wall", depth / scales.thickness, place),)
+    share, body = depth_in_itself(space, state.positions, space.bodies.thickness_of_body)
+    place = space.bodies.body_names[body] if share > 0 else ""
+    return (common_check("self_penetration_over_wall", share, place),)
 
 
 def _largest(forces: Array) -> float:
@@ -230,12 +230,14 @@ def _last_digits(problem: Problem, state: State) -> Array:
 
 
 def _penetration(problem: Problem, walls: Surface, state: State) -> float:
-    """Return the deepest overlap [length], as contact sees it and from outlines.
+    """Return the deepest overlap over the thickness of the thinner body, as contact sees it and from outlines.
 
     The tied solid has no contact: what it leaves untied, at rounded corners, may overlap.
     """
-    seen = deepest_overlap(problem.terms, state.at)
+    thickness = problem.space.bodies.thickness_of_body
+    seen = deepest_overlap(problem.terms, state.at, thickness)
     if seen is None:
         return 0.0
-    shared = depth_in_others(problem.space, walls, state.positions) if isinstance(walls, EdgeSurface) else 0.0
-    return max(seen, deepest_overlap_of_bodies(problem.space, walls, state.positions), shared)
+    space, at = problem.space, state.positions
+    shared = depth_in_others(space, walls, at, thickness) if isinstance(walls, EdgeSurface) else 0.0
+    return max(seen, deepest_overlap_of_bodies(space, walls, at, thickness), shared)

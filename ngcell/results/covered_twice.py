@@ -24,8 +24,8 @@ from ngcell.results.outlines import all_boundaries, outlines, signed_area
 Array = NDArray[np.float64]
 
 
-def depth_in_itself(space: DisplacementSpace, positions: Array) -> tuple[float, int]:
-    """Return the largest depth [length], >= 0, of a part of a body that lies in the same body, and that body.
+def depth_in_itself(space: DisplacementSpace, positions: Array, unit: Array | None = None) -> tuple[float, int]:
+    """Return the largest depth, >= 0, of a part of a body that lies in the same body, and that body.
 
     Parameters
     ----------
@@ -33,6 +33,8 @@ def depth_in_itself(space: DisplacementSpace, positions: Array) -> tuple[float, 
         The unknowns, in the plane.
     positions : array of float, shape (2, scalar unknowns)
         Deformed positions as unknowns [length].
+    unit : array of float, shape (bodies,), optional
+        A length of each body, which depths are taken over. By default a depth is a length.
     """
     boundary = all_boundaries(space)
     rings = outlines(boundary).rings(boundary.nodes(positions))
@@ -41,7 +43,7 @@ def depth_in_itself(space: DisplacementSpace, positions: Array) -> tuple[float, 
     for is_simple, (body, loops) in zip(simple, rings.items(), strict=True):
         if is_simple and _keeps_its_sense(loops):
             continue
-        depth = max(map(_depth, _covered_twice(loops)), default=0.0)
+        depth = max(map(_depth, _covered_twice(loops)), default=0.0) / (1.0 if unit is None else float(unit[body]))
         if depth > deepest:
             deepest, where = depth, body
     return deepest, where
@@ -76,19 +78,25 @@ def _winding(points: Array, line: Array) -> Array:
     return np.asarray(up.sum(1) - down.sum(1), dtype=float)
 
 
-def depth_in_others(space: DisplacementSpace, walls: EdgeSurface, positions: Array) -> float:
-    """Return the largest depth [length], >= 0, of a part that two bodies share, in the plane.
+def depth_in_others(
+    space: DisplacementSpace, walls: EdgeSurface, positions: Array, unit: Array | None = None
+) -> float:
+    """Return the largest depth, >= 0, of a part that two bodies share, in the plane; over the smaller `unit` of both,
+    shape (bodies,), where lengths of bodies are given.
 
     A hollow body whose lumen is no wall counts as filled, as for `ngcell.results.outline_overlap.deepest_overlap`.
     """
     whole = walls if len(outlines(walls).shells) == space.body_count else all_boundaries(space)
-    _, polygons = outlines(whole).polygons(whole.nodes(positions))
+    bodies, polygons = outlines(whole).polygons(whole.nodes(positions))
     crossed = ~shapely.is_valid(polygons)
     polygons[crossed] = shapely.make_valid(polygons[crossed])
     one, two = shapely.STRtree(polygons).query(polygons)
     one, two = one[one < two], two[one < two]
-    shared = shapely.get_parts(shapely.intersection(polygons[one], polygons[two]))
-    return float(max(map(_depth, shared), default=0.0))
+    shared, pair = shapely.get_parts(shapely.intersection(polygons[one], polygons[two]), return_index=True)
+    depth = np.fromiter(map(_depth, shared), dtype=float, count=len(shared))
+    if unit is not None:
+        depth = depth / np.minimum(unit[bodies[one]], unit[bodies[two]])[pair]
+    return float(depth.max(initial=0.0))
 
 
 def _depth(part: shapely.Geometry) -> float:

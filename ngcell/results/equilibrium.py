@@ -19,6 +19,7 @@ from ngcell.results.checks import NodalForces, scales_of
 from ngcell.results.error import Numbers
 from ngcell.results.forces import ContactForces, contact_forces
 from ngcell.results.growth import ONSET
+from ngcell.results.quadrature import quadrature_error
 
 Array = NDArray[np.float64]
 
@@ -127,7 +128,7 @@ def numbers_of(setup: Setup, problem: Problem, state: State, proximal: Held) -> 
         mean_gap=mean,
         largest_gap=largest,
         scales=(scales.energy, force, ONSET * thickness),
-        besides=overlap_work + proximal_energy,
+        besides=overlap_work + proximal_energy + quadrature_error(problem.terms, state.at),
         overlap=overlap_work / max(balance.forces.total, force * _NO_FORCE),
         pulled=float(np.linalg.norm(problem.resultants(pull).sum(0))),
     )

@@ -33,15 +33,17 @@ class PairOnsets:
     gap: Array
 
     @classmethod
-    def starting(cls, displacement: float, gap: Array, thickness: float) -> PairOnsets:
-        """Return the onsets where the curves start, with these mean gaps, shape (pairs,), and wall thickness [length].
-        """
+    def starting(cls, displacement: float, gap: Array, thickness: float | Array) -> PairOnsets:
+        """Return the onsets where the curves start, with these mean gaps and wall thicknesses [length], both of shape
+        (pairs,)."""
         return cls(np.where(gap >= ONSET * thickness, displacement, np.nan), displacement, gap)
 
-    def after(self, displacement: float, gap: Array, thickness: float) -> PairOnsets:
-        """Return the onsets after one more level with these mean gaps, shape (pairs,), and wall thickness [length]."""
-        mark, onset = ONSET * thickness, self.onset.copy()
+    def after(self, displacement: float, gap: Array, thickness: float | Array) -> PairOnsets:
+        """Return the onsets after one more level with these mean gaps and wall thicknesses [length], shape (pairs,).
+        """
+        mark, onset = np.broadcast_to(ONSET * np.asarray(thickness), gap.shape), self.onset.copy()
         opened = np.isnan(onset) & (gap >= mark)
+        mark = mark[opened]
         before = np.minimum(self.gap[opened], mark)
         rise = np.maximum(gap[opened] - before, np.finfo(float).tiny)
         onset[opened] = self.at + np.minimum((mark - before) / rise, 1) * (displacement - self.at)

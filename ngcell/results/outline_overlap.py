@@ -22,8 +22,10 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 
-def deepest_overlap_of_faces(walls: EdgeSurface, space: DisplacementSpace, positions: Array) -> float:
-    """Return the largest depth [length], >= 0, by which a wall point of a body lies inside another body, in the plane.
+def deepest_overlap_of_faces(
+    walls: EdgeSurface, space: DisplacementSpace, positions: Array, unit: Array | None = None
+) -> float:
+    """Return the largest depth, >= 0, by which a wall point of a body lies inside another body, in the plane.
 
     Parameters
     ----------
@@ -33,15 +35,19 @@ def deepest_overlap_of_faces(walls: EdgeSurface, space: DisplacementSpace, posit
         The unknowns.
     positions : array of float, shape (2, scalar unknowns)
         Deformed positions as unknowns [length].
+    unit : array of float, shape (bodies,), optional
+        A length of each body; a depth is taken over the smaller one of the two. By default it is a length.
     """
     if has_all_outlines(walls, space.body_count):
-        return deepest_overlap(walls, walls.nodes(positions))
+        return deepest_overlap(walls, walls.nodes(positions), unit=unit)
     whole = all_boundaries(space)
-    return deepest_overlap(walls, walls.nodes(positions), (whole, whole.nodes(positions)))
+    return deepest_overlap(walls, walls.nodes(positions), (whole, whole.nodes(positions)), unit)
 
 
-def deepest_overlap(walls: EdgeSurface, nodes: Array, whole: tuple[EdgeSurface, Array] | None = None) -> float:
-    """Return the largest depth [length], >= 0, by which a wall point of a body lies inside another body.
+def deepest_overlap(
+    walls: EdgeSurface, nodes: Array, whole: tuple[EdgeSurface, Array] | None = None, unit: Array | None = None
+) -> float:
+    """Return the largest depth, >= 0, by which a wall point of a body lies inside another body.
 
     Parameters
     ----------
@@ -51,6 +57,8 @@ def deepest_overlap(walls: EdgeSurface, nodes: Array, whole: tuple[EdgeSurface, 
         Deformed positions of their Lagrange nodes [length].
     whole : tuple of EdgeSurface and array, optional
         All boundaries of all bodies as if they were walls, and their nodes.
+    unit : array of float, shape (bodies,), optional
+        A length of each body; a depth is taken over the smaller one of the two. By default it is a length.
 
     Notes
     -----
@@ -71,6 +79,8 @@ def deepest_overlap(walls: EdgeSurface, nodes: Array, whole: tuple[EdgeSurface, 
     inside = shapely.contains_xy(polygons[polygon], *places[place].T)
     lines = _outline_of_each(walls, nodes, bodies, polygons)[polygon[inside]]
     depth = shapely.distance(lines, shapely.points(places[place[inside]]))
+    if unit is not None:
+        depth = depth / np.minimum(unit[owner[place[inside]]], unit[bodies[polygon[inside]]])
     return float(depth.max(initial=0.0))
 
 

@@ -17,8 +17,10 @@ from ngcell.results.solid_overlap import deepest_overlap_of_solids
 Array = NDArray[np.float64]
 
 
-def deepest_overlap_of_bodies(space: DisplacementSpace, walls: Surface, positions: Array) -> float:
-    """Return the largest depth [length], >= 0, by which a wall point of a body lies inside another body.
+def deepest_overlap_of_bodies(
+    space: DisplacementSpace, walls: Surface, positions: Array, unit: Array | None = None
+) -> float:
+    """Return the largest depth, >= 0, by which a wall point of a body lies inside another body.
 
     Parameters
     ----------
@@ -28,12 +30,14 @@ def deepest_overlap_of_bodies(space: DisplacementSpace, walls: Surface, position
         Their walls.
     positions : array of float, shape (dimension, scalar unknowns)
         Deformed positions as unknowns [length].
+    unit : array of float, shape (bodies,), optional
+        A length of each body; a depth is taken over the smaller one of the two. By default it is a length.
     """
-    return _deepest_overlap(walls, space, positions)
+    return _deepest_overlap(walls, space, positions, np.ones(space.body_count) if unit is None else unit)
 
 
 @singledispatch
-def _deepest_overlap(walls: Surface, space: DisplacementSpace, positions: Array) -> float:
+def _deepest_overlap(walls: Surface, space: DisplacementSpace, positions: Array, unit: Array) -> float:
     raise NotImplementedError(type(walls))
 
 

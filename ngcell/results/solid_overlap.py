@@ -31,8 +31,10 @@ _PIECES, _FINE_PIECES = 4, 16
 _CHUNK = 500_000
 
 
-def deepest_overlap_of_solids(walls: FacetSurface, space: DisplacementSpace, positions: Array) -> float:
-    """Return the largest depth [length], >= 0, by which a wall point of a body lies inside another body.
+def deepest_overlap_of_solids(
+    walls: FacetSurface, space: DisplacementSpace, positions: Array, unit: Array | None = None
+) -> float:
+    """Return the largest depth, >= 0, by which a wall point of a body lies inside another body.
 
     Parameters
     ----------
@@ -42,7 +44,10 @@ def deepest_overlap_of_solids(walls: FacetSurface, space: DisplacementSpace, pos
         The unknowns of the bodies.
     positions : array of float, shape (3, scalar unknowns)
         Deformed positions as unknowns [length].
+    unit : array of float, shape (bodies,), optional
+        A length of each body; a depth is taken over the smaller one of the two. By default it is a length.
     """
+    unit = np.ones(space.body_count) if unit is None else unit
     xi = np.concatenate([walls.quadrature_points, walls.basis.nodes])
     centre = _centres(space, positions)
     point = np.concatenate([(walls.basis.values(xi) @ walls.nodes(positions)).reshape(-1, 3), centre])
@@ -52,24 +57,28 @@ def deepest_overlap_of_solids(walls: FacetSurface, space: DisplacementSpace, pos
     for number in np.unique(surface.body) if len(point) else ():
         mine = np.flatnonzero(surface.body == number)
         triangles = _triangles(surface, nodes, mine, _PIECES)
-        inside = _inside(point[owner != number], triangles)
-        found.append((mine, inside, _distances(inside, triangles)))
-    deepest = max((float(depth.max(initial=0.0)) for _, _, depth in found), default=0.0)
-    shallow = max((float(depth[depth <= deepest / 2].max(initial=0.0)) for _, _, depth in found), default=0.0)
-    deep = ((mine, inside[depth > deepest / 2]) for mine, inside, depth in found)
-    return max([shallow, *(_finer_depth(surface, nodes, *each, deepest) for each in deep)])
+        inside = np.flatnonzero(owner != number)
+        inside = inside[_is_inside(point[inside], triangles)]
+        over = np.minimum(unit[number], unit[owner[inside]])
+        found.append((mine, point[inside], over, _distances(point[inside], triangles) / over))
+    deepest = max((float(share.max(initial=0.0)) for *_, share in found), default=0.0)
+    shallow = max((float(share[share <= deepest / 2].max(initial=0.0)) for *_, share in found), default=0.0)
+    deep = ((mine, inside[share > deepest / 2], over[share > deepest / 2]) for mine, inside, over, share in found)
+    return max([shallow, *(_finer_share(surface, nodes, *each, deepest) for each in deep)])
 
 
-def _finer_depth(surface: FacetSurface, nodes: Array, mine: Index, point: Array, deepest: float) -> float:
-    """Return the largest depth of points in a body whose facets near the points have finer triangles."""
+def _finer_share(surface: FacetSurface, nodes: Array, mine: Index, point: Array, over: Array, deepest: float) -> float:
+    """Return the largest depth of points, over a length of each, in a body whose facets near the points have finer
+    triangles."""
     if not len(point):
         return 0.0
     coarse = _triangles(surface, nodes, mine, _PIECES)
     away = np.concatenate([_to_triangles(point[[at], None], coarse) for at in range(len(point))]).min(0)
-    near = away.reshape(len(mine), -1).min(1) <= 2 * deepest
+    near = away.reshape(len(mine), -1).min(1) <= 2 * deepest * over.max()
     parts = [_triangles(surface, nodes, mine[near], _FINE_PIECES), _triangles(surface, nodes, mine[~near], _PIECES)]
     triangles = np.concatenate(parts)
-    return float(_distances(_inside(point, triangles), triangles).max(initial=0.0))
+    inside = _is_inside(point, triangles)
+    return float((_distances(point[inside], triangles) / over[inside]).max(initial=0.0))
 
 
 def _centres(space: DisplacementSpace, positions: Array) -> Array:
@@ -81,13 +90,13 @@ def _centres(space: DisplacementSpace, positions: Array) -> Array:
     return np.asarray(rest + space.function((positions - space.rest).ravel())(places))
 
 
-def _inside(point: Array, triangles: Array) -> Array:
-    """Return the points inside a closed surface."""
-    if not len(point):
-        return point
+def _is_inside(point: Array, triangles: Array) -> NDArray[np.bool_]:
+    """Return which points are inside a closed surface."""
     low, high = triangles.min((0, 1)), triangles.max((0, 1))
-    near = point[(point > low).all(1) & (point < high).all(1)]
-    return np.asarray(near[winding_numbers(near, triangles) > 0.5])
+    is_inside = (point > low).all(1) & (point < high).all(1)
+    if is_inside.any():
+        is_inside[is_inside] = winding_numbers(point[is_inside], triangles) > 0.5
+    return np.asarray(is_inside)
 
 
 def _triangles(surface: FacetSurface, nodes: Array, chosen: Index, pieces: int) -> Array:

@@ -39,15 +39,19 @@ def pair_gaps(facing: FacingWalls, gap: Array) -> Array:
     return np.bincount(facing.pair, facing.weight * gap, count) / length
 
 
-def opened_share(facing: FacingWalls, gap: Array, thickness: float) -> float:
+def _is_open(facing: FacingWalls, gap: Array) -> NDArray[np.bool_]:
+    """Return which points are open, beside the thickness of the thinner of the two bodies."""
+    return np.asarray(gap > OPEN * facing.thickness[facing.pair])
+
+
+def opened_share(facing: FacingWalls, gap: Array) -> float:
     """Return the share of the facing wall length that is open, in [0, 1]."""
-    is_open = gap > OPEN * thickness
-    return float(facing.weight @ is_open / max(facing.weight.sum(), np.finfo(float).tiny))
+    return float(facing.weight @ _is_open(facing, gap) / max(facing.weight.sum(), np.finfo(float).tiny))
 
 
-def parted_pairs(facing: FacingWalls, gap: Array, thickness: float) -> NDArray[np.bool_]:
+def parted_pairs(facing: FacingWalls, gap: Array) -> NDArray[np.bool_]:
     """Return which facing pairs are apart along the whole middle half of the wall, shape (pairs,)."""
-    closed = facing.is_middle & (gap <= OPEN * thickness)
+    closed = facing.is_middle & ~_is_open(facing, gap)
     return np.asarray(np.bincount(facing.pair[closed], minlength=len(facing.pairs)) == 0)
 
 
@@ -59,20 +63,19 @@ def find_components(facing: FacingWalls, parted: NDArray[np.bool_], bodies: int)
 
 
 def wall_records(
-    facing: FacingWalls, measured: Measurement, step: int, thickness: float, onset: Array, pressed: Array
+    facing: FacingWalls, measured: Measurement, step: int, onset: Array, pressed: Array
 ) -> list[WallRecord]:
     """Return a row for each facing pair of a step; `onset` is where each has opened, shape (pairs,).
 
     `pressed` is the deformed length on which the pair is in contact [length], shape (pairs,).
     """
     count = len(facing.pairs)
-    is_open = measured.gap > OPEN * thickness
     largest = np.full(count, -np.inf)
     np.maximum.at(largest, facing.pair, measured.gap)
     length = np.bincount(facing.pair, facing.weight, count)
     mean = pair_gaps(facing, measured.gap)
-    share = np.bincount(facing.pair, facing.weight * is_open, count) / length
-    parted = parted_pairs(facing, measured.gap, thickness)
+    share = np.bincount(facing.pair, facing.weight * _is_open(facing, measured.gap), count) / length
+    parted = parted_pairs(facing, measured.gap)
     component = find_components(facing, parted, len(measured.forces.on_body)).of_body
     force, normal = measured.forces.between(facing.pairs), measured.forces.normal_between(facing.pairs)
     pressure = np.divide(normal, pressed, out=np.zeros(count), where=pressed > 0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 
 @dataclass
@@ -22,28 +22,39 @@ class Effort:
     def __add__(self, other: Effort) -> Effort:
         return Effort(**{name: getattr(self, name) + getattr(other, name) for name in vars(self)})
 
+    @property
+    def work(self) -> int:
+        """What takes the time, whatever the number of iterations: factorisations and refused trial steps."""
+        return self.factorisations + self.refusals
+
     def copy(self) -> Effort:
         """Return a copy that no longer changes."""
         return Effort(**vars(self))
 
 
 class OutOfIterations(Exception):  # noqa: N818 - named as what is reported, not as a mistake
-    """A step has taken all the iterations that it was given."""
+    """A step has taken all the work that it was given."""
 
 
 @dataclass
 class Budget:
-    """The iterations of a step, all minimisers together, and all attempts."""
+    """The work of a step, all minimisers together, and all attempts: factorisations and refused trial steps."""
 
     most: float = float("inf")
-    spent: int = 0
+    _efforts: list[Effort] = field(default_factory=list)
+    _before: int = 0
 
     def renew(self) -> None:
         """Begin with the next step."""
-        self.spent = 0
+        self._before = self._work
 
-    def spend(self) -> None:
-        """Take one; raise `OutOfIterations` if there is none left."""
-        if self.spent >= self.most:
+    def charge(self, effort: Effort) -> None:
+        """Count what a minimiser spends from now on; raise `OutOfIterations` if all of them have spent too much."""
+        if not any(known is effort for known in self._efforts):
+            self._efforts.append(effort)
+        if self._work - self._before >= self.most:
             raise OutOfIterations
-        self.spent += 1
+
+    @property
+    def _work(self) -> int:
+        return sum(effort.work for effort in self._efforts)

@@ -50,7 +50,7 @@ class Minimiser:
     clock : Clock
         Where the seconds are added up.
     budget : Budget, optional
-        The iterations that are left of a step.
+        The work that is left of a step.
     """
 
     problem: Problem
@@ -84,7 +84,7 @@ class Minimiser:
         for _ in range(most or self.options.most_iterations):
             self.clock.check()
             self.effort.iterations += 1
-            self.budget.spend()
+            self.budget.charge(self.effort)
             advance = self._descend(state, proximal, damping, tolerance)
             if advance is None:
                 return Minimum(state, Ending.NO_DESCENT, decrement, proximal)

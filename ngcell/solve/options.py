@@ -225,8 +225,9 @@ class SolverOptions:
     refined : float
         Decrement at which a minimisation on a finer mesh ends, as a share of the energy: one step further forces are
         round-off, and it is told which cells nothing holds.
-    most_iterations : int
-        Iterations of a step, all attempts together; the shipped cases take at most 300.
+    most_work, work_of_body : int
+        Factorisations and refused trial steps of a step, all attempts together: for any scene, and more for each body.
+        Iterations would bound no time, since some take a hundred of them.
     """
 
     minimiser: MinimiserOptions = field(default_factory=MinimiserOptions)
@@ -236,4 +237,9 @@ class SolverOptions:
     direct_bulk: float = 1e4
     bulk_stage: float = 30.0
     refined: float = 1e-12
-    most_iterations: int = 5000
+    most_work: int = 3000
+    work_of_body: int = 30
+
+    def work_of(self, bodies: int) -> int:
+        """Return what a step with so many bodies may take."""
+        return self.most_work + self.work_of_body * bodies

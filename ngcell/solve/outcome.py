@@ -22,7 +22,7 @@ class Outcome(Enum):
         "the run has taken the time that it was given (--max-minutes); resume it with more, or without a limit"
     )
     OUT_OF_ITERATIONS = (
-        "the step that follows has taken all the iterations that it is given; "
+        "the step that follows has taken all the factorisations and trial steps that it is given; "
         "ask for smaller load steps, hold bodies that a load drives and nothing holds, or refine the mesh"
     )
     STOPPED = "stopped from outside"

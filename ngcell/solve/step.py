@@ -108,7 +108,7 @@ def spent(minimisers: Sequence[Minimiser]) -> Effort:
 
 
 def within_budget(steps: Iterator[Accepted], budget: Budget, load_factor: float) -> Iterator[Accepted]:
-    """Yield steps that follow one at a load factor, each of which may take so many iterations.
+    """Yield steps that follow one at a load factor, each of which may take so much work.
 
     Raises
     ------

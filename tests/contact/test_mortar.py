@@ -16,7 +16,16 @@ from ngcell.mechanics.term import Role
 from ngcell.problem.problem import Problem
 from ngcell.problem.state import State
 from tests.contact.stacks import Stack, blocks, rings
-from tests.tissues import LAW, LONGEST_STEP, SmallTissue, contact_set, contact_term, dense_stiffness, small_tissue
+from tests.tissues import (
+    LAW,
+    LONGEST_STEP,
+    NOTHING,
+    SmallTissue,
+    contact_set,
+    contact_term,
+    dense_stiffness,
+    small_tissue,
+)
 
 ORDERS = [1, 2, 3, 4]
 #: Multipliers of pressed walls, in units of penalty stiffness times length.
@@ -204,7 +213,7 @@ def test_updated_pressures_are_what_the_penalty_terms_press_with(order):
     force, applied = pair.problem.force(state.at, Role.INTERACTION), contact.pressures(positions)
     far = np.setdiff1d(np.arange(len(pair.contact.multipliers)), contact.rows)
     pair.contact.multipliers[far] = 0
-    gap, energy = pair.contact.update_multipliers(contact, positions, 1.0)
+    gap, energy = pair.contact.update_multipliers(contact, positions, NOTHING)
     np.testing.assert_allclose(pair.contact.multipliers[contact.rows], applied, rtol=1e-14)
     changed = (applied - contact.pressure) / contact.stiffness
     assert gap == pytest.approx(np.abs(changed).max(), rel=1e-12)

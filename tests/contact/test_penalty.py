@@ -8,6 +8,7 @@ import pytest
 
 from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
 from ngcell.contact.pairing.facing import find_facing
+from ngcell.mechanics.stored import StoredEnergy
 from ngcell.mechanics.term import Role
 from ngcell.scene import Penalty
 from tests.tissues import LAW, SmallTissue, contact_set, dense_stiffness, small_tissue
@@ -157,18 +158,19 @@ def test_penalty_terms_that_took_over_from_softer_ones_stiffen_where_overlaps_ar
     tissue = small_tissue(1, 2)
     meant = tissue.contact
     softer = PenaltyContact(meant.walls, meant.stiffness / 10, meant.reach)
-    derived = meant.stiffness.copy()
+    thickness = float(meant.walls.thickness.min())
+    derived, stored = meant.stiffness.copy(), StoredEnergy(lambda: (np.zeros(2), 1e9))
 
     def improved(depth: float) -> float:
         positions = tissue.positions(tissue.body_translation(1, np.array([-depth, 0.0])))
-        return meant.update_multipliers(meant.pair(positions), positions, 1e9)[0]
+        return meant.update_multipliers(meant.pair(positions), positions, stored)[0]
 
-    assert improved(0.03 * meant.reach) == 0  # nothing was softer than these
+    assert improved(0.03 * thickness) == 0  # nothing was softer than these
     at_rest = tissue.positions(tissue.body_translation(1, np.zeros(2)))
     meant.follow(softer, at_rest)
-    assert improved(0.01 * meant.reach) == 0
+    assert improved(0.01 * thickness) == 0
     np.testing.assert_array_equal(meant.stiffness, derived)
-    assert improved(0.03 * meant.reach) == pytest.approx(0.03 * meant.reach)
+    assert improved(0.03 * thickness) == pytest.approx(0.03 * thickness)
     np.testing.assert_allclose(meant.stiffness, 10 * derived)
     meant.follow(softer, at_rest)
     np.testing.assert_array_equal(meant.stiffness, derived)

@@ -17,7 +17,7 @@ from ngcell.mechanics.space import DisplacementSpace
 from ngcell.problem.problem import Problem
 from tests.contact.derivatives import assert_derivatives, step_between_kinks
 from tests.contact.solids import LAW, Pair, balls, blocks, straddling
-from tests.tissues import contact_set, contact_term, small_tissue
+from tests.tissues import NOTHING, contact_set, contact_term, small_tissue
 
 
 def prisms(order: int, edges: int = 2) -> Pair:
@@ -83,7 +83,7 @@ def test_updated_pressures_stand_for_the_gaps_that_they_close():
     state = problem.at(bodies.moved((0.0, 0.0, -0.02), 0.0, 3))
     contact, method, positions = contact_set(problem, state), contact_term(problem).method, state.positions
     before = contact.pressures(positions)
-    missed, energy = method.update_multipliers(contact, positions, 1.0)
+    missed, energy = method.update_multipliers(contact, positions, NOTHING)
     assert missed == pytest.approx(0.02, rel=1e-6) and energy > 0
     again = method.pair(positions)
     np.testing.assert_allclose(method.multipliers[again.rows], before, atol=1e-9 * before.max())

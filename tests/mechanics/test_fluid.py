@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ngcell.mechanics.fluid import LumenFluids
-from tests.tissues import SmallTissue, small_tissue
+from tests.tissues import NOTHING, SmallTissue, small_tissue
 
 STEPS = np.array([4e-3, 2e-3, 1e-3])
 
@@ -75,7 +75,7 @@ def test_what_is_updated_is_the_pressure_that_the_liquid_answers_with():
     assert found.pressures(squeezed) == pytest.approx([0.02], rel=1e-9)
     at = tissue.space.configuration(squeezed)
     forces = found.gradient(at)
-    off, energy = found.update_multipliers(at, 0.0)
+    off, energy = found.update_multipliers(at, NOTHING)
     assert off == pytest.approx(0.01 * np.sqrt(found.area[0]), rel=1e-9)
     assert energy == pytest.approx(2.0 * 0.01**2 / 2 * found.area[0], rel=1e-9)
     assert found.pressure == pytest.approx([0.02], rel=1e-9)

@@ -6,12 +6,16 @@ import ngsolve
 import numpy as np
 import pytest
 
+from ngcell.build.simulation import Simulation
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.sections import ring_mesh
 from ngcell.mechanics.bulk import BodyEnergy, InclusionEnergy
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.space import DisplacementSpace
+from ngcell.results.equilibrium import numbers_of
 from ngcell.results.quadrature import quadrature_error
+from ngcell.scene.reader import read_case
+from ngcell.solve.proximal import ProximalTerm
 
 
 def cell(order: int, *, filled: bool = False) -> DisplacementSpace:
@@ -54,3 +58,16 @@ def test_the_reduced_rule_of_an_inclusion_is_no_error():
     assert quadrature_error([stiff], at) == pytest.approx(
         quadrature_error([soft], at), rel=1e-3, abs=1e-9 * stiff.value(at)
     )
+
+
+def test_what_the_rule_misses_counts_in_the_error_of_the_energy():
+    """So the accuracy that is asked for bounds it, wherever errors are estimated."""
+    overrides = ["tissue.rows=1", "tissue.cols=2", "load.displacement=[0.3,0.0]", "load.levels=1", "accuracy=inf"]
+    simulation = Simulation(read_case("shear-empty-3x3", [*overrides, "material.bulk_modulus=2e3", "expected=[]"]))
+    *_, step = simulation.accepted_steps()
+    problem, at = simulation.problem, simulation.space.configuration(step.checkpoint.displacement["released"])
+    missed = quadrature_error(problem.terms, at)
+    state = problem.at(at.displacement)
+    besides = numbers_of(simulation.setup, problem, state, ProximalTerm(0.0, at.displacement)).besides
+    assert missed > 1e-3 * step.record.energy
+    assert besides == pytest.approx(missed + problem.overlap_work(at), rel=1e-9)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
+from ngcell.solve.effort import Budget, Effort, OutOfIterations
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.options import MinimiserOptions
@@ -85,9 +86,16 @@ class Landscape:
 
 
 def descend(
-    problem: Landscape, start: tuple, proximal: ProximalTerm = NOWHERE, *, longest_step: float = 0.5, **numbers: int
+    problem: Landscape,
+    start: tuple,
+    proximal: ProximalTerm = NOWHERE,
+    *,
+    longest_step: float = 0.5,
+    budget: Budget | None = None,
+    **numbers: int,
 ) -> Minimum:
-    minimiser = Minimiser(problem, longest_step, energy_scale=1.0, options=MinimiserOptions(**numbers))
+    options, most = MinimiserOptions(**numbers), budget or Budget()
+    minimiser = Minimiser(problem, longest_step, energy_scale=1.0, options=options, budget=most)
     return minimiser.minimise(np.array(start, dtype=float), proximal)
 
 
@@ -180,3 +188,18 @@ def test_a_refused_step_is_corrected_for_gaps_only_where_they_are_to_blame():
     assert spent.refusals > 0
     # One evaluation a try, and that of the start: a correction would be one more.
     assert spent.evaluations <= 1 + spent.iterations + spent.refusals
+
+
+def test_a_step_has_a_budget_of_factorisations_and_refusals():
+    """Iterations would bound no time: one may refuse many trial steps, each with factorisations of its own."""
+    budget, problem = Budget(most=4), Landscape(free=np.array([True, True, False]))
+    with pytest.raises(OutOfIterations):
+        for _ in range(5):
+            descend(problem, (2.9, 3.0, 0.0), budget=budget)
+    budget.renew()
+    one, other = Effort(factorisations=2), Effort(refusals=1)
+    for effort in (one, other):
+        budget.charge(effort)
+    one.factorisations += 1
+    with pytest.raises(OutOfIterations):
+        budget.charge(other)

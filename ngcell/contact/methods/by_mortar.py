@@ -12,6 +12,7 @@ from ngcell.contact.methods.mortar import MortarContact
 from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
 from ngcell.contact.methods.protocol import ContactMethod
 from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
+from ngcell.contact.pairing.near import Reach
 from ngcell.contact.surface.surface import Surface
 from ngcell.scene.section import SECTION
 
@@ -27,7 +28,7 @@ class Mortar(BaseModel):
     goes_with_cohesion: ClassVar[bool] = False
 
     def stages(
-        self, walls: Surface, modulus_of_body: Array, *, reach: float, options: ContactOptions = DEFAULT_OPTIONS
+        self, walls: Surface, modulus_of_body: Array, *, reach: Reach, options: ContactOptions = DEFAULT_OPTIONS
     ) -> tuple[ContactMethod, ...]:
         """Return two penalties, then the mortar method; see `ngcell.contact.methods.stages`."""
         path, handover, own = (

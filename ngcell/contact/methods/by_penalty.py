@@ -11,6 +11,7 @@ from pydantic import BaseModel
 from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
 from ngcell.contact.methods.protocol import ContactMethod
 from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
+from ngcell.contact.pairing.near import Reach
 from ngcell.contact.surface.surface import Surface
 from ngcell.scene.section import SECTION, PositiveNumber
 
@@ -33,7 +34,7 @@ class Penalty(BaseModel):
     goes_with_cohesion: ClassVar[bool] = True
 
     def stages(
-        self, walls: Surface, modulus_of_body: Array, *, reach: float, options: ContactOptions = DEFAULT_OPTIONS
+        self, walls: Surface, modulus_of_body: Array, *, reach: Reach, options: ContactOptions = DEFAULT_OPTIONS
     ) -> tuple[ContactMethod, ...]:
         """Return penalties from the softest to the one that is meant; see `ngcell.contact.methods.stages`."""
         meant = options.penalty_multiple * self.stiffness

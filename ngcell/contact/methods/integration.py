@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.contact.pairing.intersections import find_intersections, intersection_pairs
-from ngcell.contact.pairing.near import NearFacets
+from ngcell.contact.pairing.near import NearFacets, Reach
 from ngcell.contact.pairing.pairs import ContactPairs
 from ngcell.contact.pairing.search import PairSearch
 from ngcell.contact.pairing.segments import find_segments, segment_pairs
@@ -44,7 +44,7 @@ class SegmentIntegration:
     ----------
     walls : EdgeSurface
         The walls.
-    reach : float
+    reach : float or array of float, shape (bodies,)
         Distance up to which walls are paired [length].
     rank : array of int, shape (bodies,)
         Of a pair, the body with the lower rank has the multipliers.
@@ -52,7 +52,7 @@ class SegmentIntegration:
         Product of normals below which facets face each other.
     """
 
-    def __init__(self, walls: EdgeSurface, reach: float, rank: Index, limit: float) -> None:
+    def __init__(self, walls: EdgeSurface, reach: Reach, rank: Index, limit: float) -> None:
         self._walls, self._reach, self._rank, self._limit = walls, reach, rank, limit
         self._near = NearFacets(walls, reach)
 
@@ -70,7 +70,7 @@ class SegmentIntegration:
 class IntersectionIntegration:
     """The rule in three dimensions; parameters as in the plane."""
 
-    def __init__(self, walls: FacetSurface, reach: float, rank: Index, limit: float) -> None:
+    def __init__(self, walls: FacetSurface, reach: Reach, rank: Index, limit: float) -> None:
         self._walls, self._reach, self._rank, self._limit = walls, reach, rank, limit
         self._near = NearFacets(walls, reach)
         self._search: PairSearch | None = None
@@ -97,7 +97,7 @@ class IntersectionIntegration:
 
 
 @singledispatch
-def integration(walls: Surface, reach: float, rank: Index, limit: float) -> Integration:
+def integration(walls: Surface, reach: Reach, rank: Index, limit: float) -> Integration:
     """Return the rule for a surface; parameters as for `SegmentIntegration`."""
     raise NotImplementedError(type(walls))
 

@@ -40,10 +40,11 @@ from ngcell.contact.methods.mortar_set import MortarSet
 from ngcell.contact.methods.multipliers import MultiplierSpace, constrained_points, sagitta
 from ngcell.contact.methods.protocol import ContactMethod, ContactSet
 from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
-from ngcell.contact.pairing.near import adjacency, facing
+from ngcell.contact.pairing.near import Reach, adjacency, facing
 from ngcell.contact.pairing.pairs import ContactPairs, joined
 from ngcell.contact.pairing.search import PairSearch
 from ngcell.contact.surface.surface import Surface, SurfacePoints
+from ngcell.mechanics.stored import StoredEnergy
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -61,14 +62,14 @@ class MortarContact:
         The walls.
     stiffness : array of float, shape (facets,)
         Stiffness of the penalty terms of each facet [stress / length]; it sets the pace, not the result.
-    reach : float
+    reach : float or array of float, shape (bodies,)
         Distance up to which walls are paired [length].
     options : ContactOptions
         The solver's own numbers.
     """
 
     def __init__(
-        self, walls: Surface, stiffness: Array, reach: float, options: ContactOptions = DEFAULT_OPTIONS
+        self, walls: Surface, stiffness: Array, reach: Reach, options: ContactOptions = DEFAULT_OPTIONS
     ) -> None:
         self.walls, self._options = walls, options
         self.stiffness = stiffness
@@ -179,7 +180,7 @@ class MortarContact:
         np.maximum.at(largest, pairs.point, np.where(acts, pressure, 0.0))
         return largest
 
-    def update_multipliers(self, contact: ContactSet, positions: Array, stored: float) -> tuple[float, float]:
+    def update_multipliers(self, contact: ContactSet, positions: Array, stored: StoredEnergy) -> tuple[float, float]:
         """Take the pressures of an equilibrium as multipliers; return the largest gap [length] that their change stands
         for, and the energy of that change in the penalty terms [stress * length**2]."""
         assert isinstance(contact, MortarSet)

@@ -20,6 +20,7 @@ from ngcell.contact.gap.by_surface import gap_kinematics
 from ngcell.contact.gap.kinematics import GapKinematics
 from ngcell.contact.methods.penalty import couplings_of_near_facets, penalty_stiffness
 from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
+from ngcell.contact.pairing.near import Reach
 from ngcell.contact.pairing.pairs import ContactPairs
 from ngcell.contact.pairing.search import PairSearch
 from ngcell.contact.surface.surface import Surface, SurfacePoints
@@ -50,7 +51,7 @@ class NormalLaw:
     goes_with_cohesion: ClassVar[bool] = True
 
     def stages(
-        self, walls: Surface, modulus_of_body: Array, *, reach: float, options: ContactOptions = DEFAULT_OPTIONS
+        self, walls: Surface, modulus_of_body: Array, *, reach: Reach, options: ContactOptions = DEFAULT_OPTIONS
     ) -> tuple[NormalLawTerm, ...]:
         """Return the law as the only stage."""
         return (NormalLawTerm(walls, self.law, penalty_stiffness(walls, modulus_of_body, self.multiple), reach),)
@@ -67,11 +68,11 @@ class NormalLawTerm(Term):
         See `NormalLaw`.
     stiffness : array of float, shape (facets,)
         Stiffness of each facet [stress / length]; a pair takes the softer one.
-    reach : float
+    reach : float or array of float, shape (bodies,)
         Distance up to which walls are paired [length].
     """
 
-    def __init__(self, walls: Surface, law: Law, stiffness: Array, reach: float) -> None:
+    def __init__(self, walls: Surface, law: Law, stiffness: Array, reach: Reach) -> None:
         self.walls, self.stiffness, self.reach = walls, stiffness, reach
         self._law, self._search = law, PairSearch(walls, walls.quadrature, reach)
 

@@ -9,7 +9,8 @@ which is what p does to the thickness of `1 / multiple` such layers. Where that 
 stiffer than its layer, as on a filled cell or a thick ring), penalty terms that took over from softer ones adapt: at an
 equilibrium whose overlaps are too deep, or store too large a share of the energy, they are made stiffer and the
 equilibrium is sought again. Where walls bend so much that they sink in between the points of the rule, the rule is
-made finer instead, once, if the surface has a finer one.
+made finer instead, once, if the surface has a finer one. Each group of bodies that touch is judged by itself: by the
+thickness of the bodies that meet, and by what the group stores. What happens elsewhere changes nothing.
 """
 
 from __future__ import annotations
@@ -23,18 +24,20 @@ from scipy import sparse
 
 from ngcell.contact.gap.by_surface import gap_kinematics
 from ngcell.contact.gap.kinematics import GapKinematics
+from ngcell.contact.methods.overlaps import Mask, Overlaps, overlaps
 from ngcell.contact.methods.protocol import ContactMethod, ContactSet
 from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
-from ngcell.contact.pairing.near import adjacency
+from ngcell.contact.pairing.near import Reach, adjacency
 from ngcell.contact.pairing.pairs import ContactPairs
 from ngcell.contact.pairing.search import PairSearch
-from ngcell.contact.surface.surface import Surface, SurfacePoints
+from ngcell.contact.surface.surface import Surface, SurfacePoints, chosen_points
+from ngcell.mechanics.stored import StoredEnergy
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-#: Overlap over reach, and energy of the penalty terms over the stored one, above which penalty terms are too soft. A
-#: certificate has the same limits. Overlaps below `NO_OVERLAP` over reach are none.
+#: Overlap over the thinner body's thickness, and energy of the penalty terms over the stored one, above which penalty
+#: terms are too soft. A certificate has the same limits. Overlaps below `NO_OVERLAP` of the thickness are none.
 DEEP, HIGH, NO_OVERLAP = 0.02, 0.01, 1e-7
 #: Factor by which penalty terms that are too soft are made stiffer, and the most that all such factors make. The
 #: derived stiffness is that of a layer that may spread along the wall; one that is confined is stiffer by the ratio of
@@ -105,7 +108,7 @@ class PenaltyContact:
         The walls.
     stiffness : array of float, shape (facets,)
         Penalty stiffness of each facet [stress / length]; a pair takes the softer one.
-    reach : float
+    reach : float or array of float, shape (bodies,)
         Distance up to which walls are paired [length].
     may_stiffen : bool
         Whether penalty terms that turn out too soft are made stiffer.
@@ -117,16 +120,22 @@ class PenaltyContact:
         self,
         walls: Surface,
         stiffness: Array,
-        reach: float,
+        reach: Reach,
         *,
         may_stiffen: bool = True,
         options: ContactOptions = DEFAULT_OPTIONS,
     ) -> None:
         self.walls, self._options = walls, options
-        self._derived, self._factor = stiffness, 1.0
-        self.reach = reach
+        self._derived, self.reach = stiffness, reach
         self._may_stiffen, self._stiffens = may_stiffen, False
-        self._usual = self._search = PairSearch(walls, walls.quadrature, reach)
+        self._usual = PairSearch(walls, walls.quadrature, reach)
+        self._take_back()
+
+    def _take_back(self) -> None:
+        """Let all bodies have the stiffness that was derived, and the usual rule."""
+        count = len(self.walls.thickness)
+        self._factor, self._is_refined = np.ones(count), np.zeros(count, dtype=bool)
+        self._search = self._usual
 
     @cached_property
     def _finer(self) -> PairSearch | None:
@@ -137,12 +146,12 @@ class PenaltyContact:
     @property
     def stiffness(self) -> Array:
         """Penalty stiffness of each facet, as far as it has been raised [stress / length], shape (facets,)."""
-        return self._factor * self._derived
+        return np.asarray(self._factor[self.walls.body] * self._derived)
 
     @property
     def raised(self) -> float:
-        """Factor by which penalty terms that were too soft have been made stiffer."""
-        return self._factor
+        """Largest factor by which penalty terms that were too soft have been made stiffer."""
+        return float(self._factor.max())
 
     def pair(self, positions: Array) -> PenaltySet:
         """Find all contact pairs at `positions`, unknowns of shape (dimension, scalar unknowns)."""
@@ -167,33 +176,56 @@ class PenaltyContact:
 
     def follow(self, other: ContactMethod, positions: Array) -> None:
         """Take back what was raised; from now on penalty terms adapt, unless they go on from themselves."""
-        self._factor, self._stiffens = 1.0, self._may_stiffen and other is not self
-        self._search = self._usual
+        self._take_back()
+        self._stiffens = self._may_stiffen and other is not self
 
-    def update_multipliers(self, contact: ContactSet, positions: Array, stored: float) -> tuple[float, float]:
-        """Stiffen the penalty terms if they are too soft, and return the deepest overlap then, else zeros."""
-        if not self._stiffens or self._factor >= MOST_STIFFENED:
+    def update_multipliers(self, contact: ContactSet, positions: Array, stored: StoredEnergy) -> tuple[float, float]:
+        """Stiffen the penalty terms that are too soft, and return the deepest overlap of these, else zeros."""
+        if not self._stiffens:
             return 0.0, 0.0
-        deepest = max(0.0, -float(contact.gaps(positions).min(initial=0.0)))
-        if deepest <= NO_OVERLAP * self.reach:
-            return 0.0, 0.0
-        between, finer = self._deepest_between(positions)
-        if finer is not None and between > max(DEEP * self.reach, self._options.between * deepest):
-            self._search = finer
-            return between, 0.0
-        if deepest <= DEEP * self.reach and contact.energy(positions) <= HIGH * stored:
-            return 0.0, 0.0
-        self._factor *= STIFFEN
-        return deepest, 0.0
+        pairs, gaps = contact.kinematics.pairs, contact.gaps(positions)
+        seen = overlaps(self.walls, pairs, gaps, contact.contact_forces(positions))
+        groups = [
+            group
+            for group in seen.groups(len(self._factor))
+            if seen.within(group).largest_share > NO_OVERLAP and self._factor[group].min() < MOST_STIFFENED
+        ]
+        is_due = any(not self._is_refined[group].all() for group in groups)
+        between = self._overlaps_between(positions) if is_due else None
+        missed = [self._adapted(group, seen, between, stored) for group in groups]
+        return max(missed, default=0.0), 0.0
 
-    def _deepest_between(self, positions: Array) -> tuple[float, PairSearch | None]:
-        """Return the deepest overlap [length] at points of the finer rule, and its search; None once it is used."""
-        finer = self._finer if self._search is self._usual else None
-        if finer is None:
-            return 0.0, None
-        pairs = finer.pairs(self.walls.nodes(positions))
-        gaps = gap_kinematics(self.walls, pairs, positions).gaps(positions)
-        return max(0.0, -float(gaps.min(initial=0.0))), finer
+    def _adapted(self, group: Mask, seen: Overlaps, between: Overlaps | None, stored: StoredEnergy) -> float:
+        """Refine the rule of a group of bodies, or stiffen its penalty terms; return the deepest overlap [length] then.
+
+        Overlaps are those at the points that are used, and at those of the finer rule.
+        """
+        mine, finer = seen.within(group), None if between is None else between.within(group)
+        if finer is not None and not self._is_refined[group].all():
+            if finer.largest_share > max(DEEP, self._options.between * mine.largest_share):
+                self._is_refined |= group
+                self._search = self._mixed_search()
+                return finer.deepest
+        energy = float(mine.energy.sum())
+        if mine.largest_share <= DEEP and energy <= HIGH * (stored.of(group) + energy):
+            return 0.0
+        # What a body that has joined the group was not given yet comes first.
+        self._factor[group] = np.maximum(self._factor[group], STIFFEN * self._factor[group].min())
+        return mine.deepest
+
+    def _overlaps_between(self, positions: Array) -> Overlaps | None:
+        """Return the overlaps at points of the finer rule; None if there is none."""
+        if self._finer is None:
+            return None
+        pairs = self._finer.pairs(self.walls.nodes(positions))
+        return overlaps(self.walls, pairs, gap_kinematics(self.walls, pairs, positions).gaps(positions))
+
+    def _mixed_search(self) -> PairSearch:
+        """Return the search by the finer rule on bodies that have it, and by the usual one on others."""
+        finer = self.walls.halved()
+        assert finer is not None
+        is_refined = self._is_refined[self.walls.body]
+        return PairSearch(self.walls, chosen_points(finer, self.walls.quadrature, is_refined), self.reach)
 
     def increase_penalty(self) -> None:
         """Do nothing: penalty terms are stiffened as fast as they can be."""
@@ -213,7 +245,7 @@ def penalty_stiffness(walls: Surface, modulus_of_body: Array, multiple: float) -
     return np.asarray(multiple * (modulus_of_body / thinnest)[walls.body])
 
 
-def couplings_of_near_facets(walls: Surface, positions: Array, reach: float) -> tuple[Index, Index]:
+def couplings_of_near_facets(walls: Surface, positions: Array, reach: Reach) -> tuple[Index, Index]:
     """Return rows and columns of all scalar unknowns of facets that are the same, or nearer than `reach` [length]."""
     near = adjacency(walls, walls.nodes(positions), reach)
     touches = walls.touches(positions.shape[1])

@@ -17,6 +17,7 @@ from scipy import sparse
 
 from ngcell.contact.gap.kinematics import GapKinematics
 from ngcell.contact.surface.surface import Surface, SurfacePoints
+from ngcell.mechanics.stored import StoredEnergy
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -82,7 +83,7 @@ class ContactMethod(Protocol):
     def follow(self, other: ContactMethod, positions: Array) -> None:
         """Start from the pressures of another method at an equilibrium of its own, and forget all others."""
 
-    def update_multipliers(self, contact: ContactSet, positions: Array, stored: float) -> tuple[float, float]:
+    def update_multipliers(self, contact: ContactSet, positions: Array, stored: StoredEnergy) -> tuple[float, float]:
         """Update the multipliers from an equilibrium with this stored energy; return what it still misses of
         conditions.
 

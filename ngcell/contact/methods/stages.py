@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ngcell.contact.methods.protocol import ContactMethod
 from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
+from ngcell.contact.pairing.near import Reach
 from ngcell.contact.surface.surface import Surface
 from ngcell.mechanics.term import Term
 
@@ -28,7 +29,7 @@ class ContactChoice(Protocol):
         """Whether walls may be bonded as well."""
 
     def stages(
-        self, walls: Surface, modulus_of_body: Array, *, reach: float, options: ContactOptions = DEFAULT_OPTIONS
+        self, walls: Surface, modulus_of_body: Array, *, reach: Reach, options: ContactOptions = DEFAULT_OPTIONS
     ) -> tuple[ContactMethod | Term, ...]:
         """Return contact from the softest, with which continuation paths are followed, to the one that is meant.
 
@@ -38,7 +39,7 @@ class ContactChoice(Protocol):
             The walls.
         modulus_of_body : array of float, shape (bodies,)
             Plane-strain modulus of each body [stress].
-        reach : float
+        reach : float or array of float, shape (bodies,)
             Distance up to which walls are paired [length].
         options : ContactOptions
             The solver's own numbers.

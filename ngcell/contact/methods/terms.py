@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ngcell.contact.cohesion.bonds import Bonds
+from ngcell.contact.methods.overlaps import overlaps
 from ngcell.contact.methods.protocol import ContactMethod, ContactSet
 from ngcell.contact.surface.surface import SurfacePoints
 from ngcell.mechanics.report import Check, Scales
+from ngcell.mechanics.stored import StoredEnergy
 from ngcell.mechanics.term import Configuration, Interaction, OneSided, Role, Term
 
 Array = NDArray[np.float64]
@@ -94,7 +96,7 @@ class ContactTerm(Term):
         assert isinstance(before, ContactTerm)
         self.method.follow(before.method, at.positions)
 
-    def update_multipliers(self, at: Configuration, stored: float) -> tuple[float, float]:
+    def update_multipliers(self, at: Configuration, stored: StoredEnergy) -> tuple[float, float]:
         """Let the method update its pressures, or its penalty."""
         return self.method.update_multipliers(self.found(at), at.positions, stored)
 
@@ -118,6 +120,11 @@ class ContactTerm(Term):
     def overlap(self, at: Configuration) -> float:
         """Return the deepest overlap at the points of the method [length], >= 0."""
         return max(0.0, -float(self.found(at).kinematics.gaps(at.positions).min(initial=0.0)))
+
+    def overlap_over(self, at: Configuration, thickness: Array) -> float:
+        """Return the deepest overlap over the thickness of the thinner of the two bodies."""
+        kinematics = self.found(at).kinematics
+        return overlaps(self.method.walls, kinematics.pairs, kinematics.gaps(at.positions)).largest_share
 
     def overlap_work(self, at: Configuration) -> float:
         """Return contact forces times gaps, without their sign."""

@@ -23,7 +23,9 @@ Index = NDArray[np.int64]
 
 
 @singledispatch
-def nearest_candidates(walls: Surface, nodes: Array, group: Index, facet: Index, point: Array, reach: float) -> Index:
+def nearest_candidates(
+    walls: Surface, nodes: Array, group: Index, facet: Index, point: Array, reach: float | Array
+) -> Index:
     """Return the candidates that may hold the nearest point of the same body.
 
     Parameters
@@ -36,7 +38,7 @@ def nearest_candidates(walls: Surface, nodes: Array, group: Index, facet: Index,
         Number of the point, and facet.
     point : array of float, shape (candidates, dimension)
         The points [length].
-    reach : float
+    reach : float or array of float, shape (candidates,)
         Distance beyond which nothing is a candidate [length].
     """
     raise NotImplementedError(type(walls))

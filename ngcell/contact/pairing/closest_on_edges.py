@@ -19,7 +19,7 @@ _END_TOLERANCE = 1e-9
 
 
 def nearest_candidates(
-    walls: EdgeSurface, nodes: Array, group: Index, facet: Index, point: Array, reach: float
+    walls: EdgeSurface, nodes: Array, group: Index, facet: Index, point: Array, reach: float | Array
 ) -> Index:
     """Return the candidates whose chord is, up to the edge's sagitta, the nearest of the same body."""
     body, start = walls.body[facet], nodes[facet, 0]

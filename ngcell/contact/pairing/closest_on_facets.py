@@ -23,7 +23,7 @@ _TOLERANCE = 1e-8
 
 
 def nearest_candidates(
-    walls: FacetSurface, nodes: Array, group: Index, facet: Index, point: Array, reach: float
+    walls: FacetSurface, nodes: Array, group: Index, facet: Index, point: Array, reach: float | Array
 ) -> Index:
     """Return the candidates that may hold the nearest point of the same body, by balls and boxes around facets."""
     low, high = nodes.min(1), nodes.max(1)

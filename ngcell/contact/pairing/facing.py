@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.pairing.near import facing, near_facets
+from ngcell.contact.pairing.near import Reach, facing, near_facets
 from ngcell.contact.pairing.search import nearest_on_body
 from ngcell.contact.surface.surface import Surface
 
@@ -36,6 +36,8 @@ class FacingWalls:
     ----------
     pairs : array of int, shape (pairs, 2)
         The two bodies of each pair, the lower number first.
+    thickness : array of float, shape (pairs,)
+        Thickness of the thinner body of each pair [length].
     pair : array of int, shape (points,)
         Pair that each point belongs to; every wall contributes its own points.
     facet, quadrature_point : array of int, shape (points,)
@@ -49,6 +51,7 @@ class FacingWalls:
     """
 
     pairs: Index
+    thickness: Array
     pair: Index
     facet: Index
     quadrature_point: Index
@@ -67,20 +70,20 @@ class FacingWalls:
         return np.asarray(np.atleast_1d(is_held)[self.pair])
 
 
-def find_facing(walls: Surface, tolerance: float, reach: float = 0.0) -> FacingWalls:
+def find_facing(walls: Surface, tolerance: Reach, reach: Reach = 0.0) -> FacingWalls:
     """Find the walls that face each other at rest.
 
     Parameters
     ----------
     walls : Surface
         The walls.
-    tolerance : float
-        Distance up to which facets touch [length].
-    reach : float
+    tolerance : float or array of float, shape (bodies,)
+        Distance up to which facets touch [length]; of two bodies the smaller counts.
+    reach : float or array of float, shape (bodies,)
         Distance, or depth, up to which facets of bodies that touch nowhere face each other [length].
     """
     touching = _within(walls, tolerance)
-    further = _within(walls, reach) if reach > tolerance else touching[:0]
+    further = _within(walls, reach) if np.max(reach) > np.min(tolerance) else touching[:0]
     count = int(walls.body.max(initial=0)) + 1
     known = np.isin(_pair_numbers(walls, further, count), _pair_numbers(walls, touching, count))
     facet, other = np.concatenate([touching, further[~known]]).T
@@ -93,16 +96,18 @@ def find_facing(walls: Surface, tolerance: float, reach: float = 0.0) -> FacingW
     is_middle = _in_middle_half(2 * pair + (walls.body[facet] > other), point)
     weight = walls.weights[facet, quadrature_point]
     parts = (part[weight != 0] for part in (pair, facet, quadrature_point, other, weight, is_middle))
-    return FacingWalls(pairs, *parts)
+    return FacingWalls(pairs, walls.thickness[pairs].min(1), *parts)
 
 
-def _within(walls: Surface, distance: float) -> Index:
+def _within(walls: Surface, distance: Reach) -> Index:
     """Return facets and the bodies that they face up to a distance [length] on either side, shape (n, 2)."""
     one, two = near_facets(walls, walls.rest, distance)
     opposite = facing(walls, walls.rest, one, two, _OPPOSITE)
+    of_body = np.broadcast_to(distance, walls.thickness.shape)
     found = np.unique(np.column_stack([one, walls.body[two]])[opposite], axis=0)
     gap = nearest_on_body(walls, walls.rest, walls.centres(walls.rest)[found[:, 0]], found[:, 1])
-    return np.asarray(found[np.abs(gap) <= distance])
+    within = np.minimum(of_body[walls.body[found[:, 0]]], of_body[found[:, 1]])
+    return np.asarray(found[np.abs(gap) <= within])
 
 
 def _pair_numbers(walls: Surface, found: Index, count: int) -> Index:

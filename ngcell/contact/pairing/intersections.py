@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ngcell.contact.options import DEFAULT_OPTIONS
 from ngcell.contact.pairing.closest_on_facets import closest_points
-from ngcell.contact.pairing.near import facing
+from ngcell.contact.pairing.near import Reach, facing, reach_between
 from ngcell.contact.pairing.pairs import ContactPairs, feet
 from ngcell.contact.surface.facets import FacetSurface
 
@@ -73,7 +73,7 @@ def find_intersections(
 
 
 def intersection_pairs(
-    walls: FacetSurface, nodes: Array, intersections: IntersectionPolygons, reach: float
+    walls: FacetSurface, nodes: Array, intersections: IntersectionPolygons, reach: Reach
 ) -> ContactPairs:
     """Return the Gauss points of all polygons that come nearer than `reach` [length], with the closest points there."""
     place, share, piece = _points(intersections.polygon, walls.basis.order + 2)
@@ -83,7 +83,7 @@ def intersection_pairs(
     xi, distance = closest_points(walls, nodes, secondary, walls.places(primary, own, nodes))
     nearest = np.full(len(intersections.primary), np.inf)
     np.minimum.at(nearest, piece, distance)
-    near = np.flatnonzero(nearest[piece] < reach)
+    near = np.flatnonzero(nearest[piece] < reach_between(walls, reach, primary, secondary))
     near = near[np.argsort(primary[near], kind="stable")]
     return feet(primary[near], own[near], weight[near], secondary[near], xi[near])
 

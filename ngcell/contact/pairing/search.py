@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ngcell.contact.pairing.classification import TIE
 from ngcell.contact.pairing.closest import classified, closest_points, nearest_candidates
-from ngcell.contact.pairing.near import NearFacets
+from ngcell.contact.pairing.near import NearFacets, Reach, reach_between
 from ngcell.contact.pairing.pairs import ContactPairs
 from ngcell.contact.surface.surface import Surface, SurfacePoints
 
@@ -35,11 +35,11 @@ class PairSearch:
         The walls.
     points : SurfacePoints
         The points that look for contact pairs, facet by facet.
-    reach : float
+    reach : float or array of float, shape (bodies,)
         Distance up to which contact pairs are found [length].
     """
 
-    def __init__(self, walls: Surface, points: SurfacePoints, reach: float) -> None:
+    def __init__(self, walls: Surface, points: SurfacePoints, reach: Reach) -> None:
         self._walls = walls
         self._points = points
         self.reach = reach
@@ -59,8 +59,9 @@ class PairSearch:
         walls, points = self._walls, self._points
         number, other = self._candidates(nodes)
         place = np.einsum("pi,pid->pd", self._values, nodes[points.facet])[number]
-        chosen, xi, distance = _nearest(walls, nodes, number, other, place, self.reach)
-        within = distance <= self.reach
+        reach = reach_between(walls, self.reach, points.facet[number], other)
+        chosen, xi, distance = _nearest(walls, nodes, number, other, place, reach)
+        within = distance <= reach[chosen]
         chosen, xi = chosen[within], xi[within]
         number, other, place = number[chosen], other[chosen], place[chosen]
         found = classified(walls, nodes, other, xi, place)
@@ -103,7 +104,7 @@ def nearest_on_body(walls: Surface, nodes: Array, point: Array, body: Index) -> 
 
 
 def _nearest(
-    walls: Surface, nodes: Array, number: Index, other: Index, place: Array, reach: float
+    walls: Surface, nodes: Array, number: Index, other: Index, place: Array, reach: float | Array
 ) -> tuple[Index, Array, Array]:
     """Return which candidates hold the nearest point of each body to each point, with its coordinates and distance.
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ngcell.contact.options import DEFAULT_OPTIONS
 from ngcell.contact.pairing.closest_on_edges import closest_points
-from ngcell.contact.pairing.near import facing
+from ngcell.contact.pairing.near import Reach, facing, reach_between
 from ngcell.contact.pairing.pairs import ContactPairs, feet
 from ngcell.contact.surface.edges import EdgeSurface
 
@@ -74,7 +74,7 @@ def _projected(walls: EdgeSurface, nodes: Array, primary: Index, secondary: Inde
 
 
 def segment_pairs(
-    walls: EdgeSurface, nodes: Array, segments: Segments, reach: float
+    walls: EdgeSurface, nodes: Array, segments: Segments, reach: Reach
 ) -> tuple[ContactPairs, ContactPairs]:
     """Return the Gauss points of all segments that come nearer than `reach` [length], and the cuts that end them.
 
@@ -87,7 +87,7 @@ def segment_pairs(
     own = (low[:, None] + span[:, None] * (place + 1) / 2).ravel()
     primary, secondary = (np.repeat(array, count) for array in (segments.primary, segments.secondary))
     xi, distance = closest_points(walls, nodes, secondary, walls.places(primary, own, nodes))
-    near = distance.reshape(-1, count).min(1) < reach
+    near = distance.reshape(-1, count).min(1) < reach_between(walls, reach, segments.primary, segments.secondary)
     weight = (span[:, None] * share / 2).ravel() * walls.rest_measure(primary, own)
     chosen = np.flatnonzero(np.repeat(near, count))
     points = feet(primary[chosen], own[chosen], weight[chosen], secondary[chosen], xi[chosen])

@@ -97,4 +97,5 @@ def find_edges(bodies: BodyMesh, scalar_space: ngsolve.H1, rest: Array) -> EdgeS
         weights=share * speed,
         depth=np.where(is_triangle, _TRIANGLE * length, area / length),
         rest=nodes,
+        thickness=bodies.thickness_of_body,
     )

@@ -129,6 +129,7 @@ def find_facets(bodies: BodyMesh, scalar_space: ngsolve.H1, rest: Array) -> Face
         weights=weights,
         depth=np.where(is_tetrahedron, _TETRAHEDRON * np.sqrt(area), volume / area),
         rest=nodes,
+        thickness=bodies.thickness_of_body,
     )
     outward = surface.middles(nodes) - centre
     surface.side[:] = np.sign(np.einsum("ed,ed->e", surface.chord_normals(nodes), outward))

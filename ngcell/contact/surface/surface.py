@@ -66,6 +66,16 @@ class SurfacePoints:
     weight: Array
 
 
+def chosen_points(one: SurfacePoints, other: SurfacePoints, of_one: NDArray[np.bool_]) -> SurfacePoints:
+    """Return the points of one rule on facets where `of_one` is true, shape (facets,), and of another elsewhere."""
+    kept = [(points, is_mine[points.facet]) for points, is_mine in ((one, of_one), (other, ~of_one))]
+    facet, xi, weight = (
+        np.concatenate([getattr(points, name)[mine] for points, mine in kept]) for name in ("facet", "xi", "weight")
+    )
+    order = np.argsort(facet, kind="stable")
+    return SurfacePoints(facet[order], xi[order], weight[order])
+
+
 @dataclass(frozen=True, eq=False)
 class Surface(ABC):
     """Boundary facets that may touch another body, and the quadrature points on them.
@@ -92,6 +102,8 @@ class Surface(ABC):
         jump along the wall.
     rest : array of float, shape (facets, nodes, dimension)
         Reference positions of the Lagrange nodes [length].
+    thickness : array of float, shape (bodies,)
+        Thickness of each body [length].
     """
 
     body: Index
@@ -103,6 +115,7 @@ class Surface(ABC):
     weights: Array
     depth: Array
     rest: Array
+    thickness: Array
 
     @property
     @abstractmethod

@@ -3,7 +3,8 @@
 Where bonds break for good, an equilibrium depends on the way to it. A step from one load factor to the next has two
 parts. First the supports move, and the bodies follow along a straight line, to first order and with bonds on their
 secants. Then, at held supports, the energy falls to a minimum: in steps of the minimiser, whose proximal term keeps
-them short, and with a vanishing proximal term to the start. The history moves when the step is accepted.
+them short, and with a vanishing proximal term to the start. A saddle is left. The history moves when the step is
+accepted.
 
 The first part is work, the second is lost: where the state follows the load it is of second order in the step and
 vanishes as steps get small; where walls snap it stays, and is what a faster dynamics would turn into heat. Both are
@@ -32,6 +33,7 @@ from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.problem import Driven, State
 from ngcell.solve.proximal import ProximalTerm
+from ngcell.solve.refined import stable
 from ngcell.solve.step import MOST_HALVINGS, Accepted, Account, StepFailed
 from ngcell.solve.strategies.strategy import Progress, Task
 
@@ -155,14 +157,14 @@ class _Path:
         return None
 
     def _fallen(self, start: Array) -> Minimum:
-        """Return the minimum below a place; its proximal term follows where bodies went far."""
+        """Return the minimum below a place, and no saddle; its proximal term follows where bodies went far."""
+        path, length = self._released.path, self._minimiser.longest_step
         while True:
-            minimum = self._minimiser.minimise(start, self._released.path.last_proximal(start))
+            minimum = self._minimiser.minimise(start, path.last_proximal(start))
             if not minimum.is_found:
                 return minimum
-            fallen = float(np.abs(minimum.state.displacement - start).max())
-            if fallen <= self._minimiser.longest_step:
-                return minimum
+            if float(np.abs(minimum.state.displacement - start).max()) <= length:
+                return stable(self._minimiser, minimum, scale=path.scale, length=length, options=self._task.options)
             start = minimum.state.displacement
 
     def _balance(self, start: _Stand, moved: _Stand, end: _Stand, least: float) -> tuple[float, float]:
