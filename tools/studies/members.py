@@ -33,7 +33,7 @@ FOLDERS = ROOT / "out" / "members"
 #: Case, settings, and number of members.
 SCENES: dict[str, tuple[str, tuple[str, ...], int]] = {
     "3x3": ("shear-empty-3x3", (), 10),
-    "5x7": ("shear-empty", ("load.levels=4",), 8),
+    "5x7": ("shear-empty", ("load.levels=4",), 6),
 }
 QUICK = ("tissue.rows=2", "tissue.cols=2", "load.displacement=[0.3, 0.0]", "load.levels=1", "accuracy=0.1")
 SHOWN = ("plate_force", "energy", "mean_gap", "largest_gap", "parted_pairs")
