@@ -28,7 +28,7 @@ TISSUE = ["tissue.rows=2", "tissue.cols=2", "mesh.order=2", "load.displacement=[
 TISSUE += ["load.levels=[0.4, 1.0]"]
 PRISMS = ["tissue.rows=1", "tissue.cols=2", "tissue.height=0.4", "mesh.order=2", "load.displacement=[0.2, 0.0]"]
 BONDED = [*TISSUE, "cohesion.strength=0.01", "cohesion.energy=0.0001", 'strategy.kind="load-stepping"']
-REFINED = ["tissue.rows=2", "tissue.cols=2", "load.displacement=[0.3, 0.0]", "load.levels=[0.4, 1.0]"]
+REFINED = ["tissue.rows=2", "tissue.cols=2", "accuracy=0.05", "load.displacement=[0.3, 0.0]", "load.levels=[0.4, 1.0]"]
 #: Cases, their settings and their number of accepted steps.
 RUNS = {
     "sddp": ("shear-empty-3x3", [*TISSUE, "strategy.steps=4"], 6),
