@@ -61,10 +61,10 @@ class Numbers:
         means of gaps err relative to it.
     besides : float
         What the energy may err by besides the mesh [stress * length**2].
-    pulled : float
-        What the proximal term that is left takes of the force from one support to the other [stress * length].
     overlap : float
         Mean overlap of walls, weighted by the forces between them [length], >= 0.
+    pulled : float
+        What the proximal term that is left takes of the force from one support to the other [stress * length].
     """
 
     potential: float
@@ -75,8 +75,8 @@ class Numbers:
     largest_gap: float
     scales: tuple[float, float, float]
     besides: float = 0.0
-    pulled: float = 0.0
     overlap: float = 0.0
+    pulled: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -67,31 +67,32 @@ class Damper:
         lacking : array of float, shape (bodies,)
             What the model lacks in each body [energy]; only ratios count.
         """
-        share, way = self._shares(lacking), self._way(step)
-        raised = np.maximum(self.options.raise_by * damping, self.options.felt * abs(slope) * share / way)
-        return np.where(share > 0, np.minimum(raised, _LARGEST), damping)
+        at_fault = self._at_fault(lacking)
+        # As much for each of them: what presses a body at rest is at fault, too, and must not be frozen in its place.
+        felt = self.options.felt * abs(slope) / max(float(self._way(step)[at_fault].sum()), np.finfo(float).tiny)
+        raised = np.maximum(self.options.raise_by * damping, felt)
+        return np.where(at_fault, np.minimum(raised, _LARGEST), damping)
 
     def relaxed(self, damping: Array, step: Array, slope: float, lacking: Array, quality: float) -> Array:
         """Return the damping after an accepted step; parameters as for `raised`."""
-        way = self._way(step)
-        unfelt = self.options.unfelt * abs(slope) / way
+        unfelt = self.options.unfelt * abs(slope) / np.maximum(self._way(step), np.finfo(float).tiny)
         lowered = np.where(self.options.lower_by * damping > unfelt, self.options.lower_by * damping, 0.0)
         if quality >= self.options.fair:
             return lowered
         nudged = np.maximum(self.options.nudge_by * damping, unfelt)
-        return np.where(self._shares(lacking) > 0, nudged, lowered)
+        return np.where(self._at_fault(lacking), nudged, lowered)
 
     def _way(self, step: Array) -> Array:
         """Return the squared way of each body in the mass norm, shape (bodies,)."""
-        return np.maximum(self.by_body(step * (self.mass @ step)), np.finfo(float).tiny)
+        return self.by_body(step * (self.mass @ step))
 
-    def _shares(self, lacking: Array) -> Array:
-        """Return the shares of the bodies that have most of what the model lacks; 0 for others, shape (bodies,)."""
+    def _at_fault(self, lacking: Array) -> NDArray[np.bool_]:
+        """Return the bodies that have most of what the model lacks, all where nothing is known, shape (bodies,)."""
         positive = np.maximum(lacking, 0.0)
         if not positive.any():
-            return np.full(len(lacking), 1.0 / len(lacking))
+            return np.ones(len(lacking), dtype=bool)
         order = np.argsort(-positive, kind="stable")
         before = np.cumsum(positive[order]) - positive[order]
-        counts = np.zeros(len(lacking), dtype=bool)
-        counts[order] = before < _MOST_OF_IT * positive.sum()
-        return np.where(counts, positive / positive.sum(), 0.0)
+        at_fault = np.zeros(len(lacking), dtype=bool)
+        at_fault[order] = before < _MOST_OF_IT * positive.sum()
+        return at_fault

@@ -21,7 +21,6 @@ REFUSED = {
     "bulk / shear: 1e+04 tissue, penalty": ("quadrature_error",),
     "bulk / shear: 1e+06 tissue, penalty": ("quadrature_error",),
     "prisms: bulk / shear 1e+04": ("quadrature_error",),
-    "mesh: graded to 0.01, penalty": ("smallest_jacobian",),
 }
 
 #: Changes by which a point ends the same way in a quarter of the time: far more pressure, which is given up sooner.

@@ -67,11 +67,11 @@ def damper(**numbers: float) -> Damper:
     return Damper(sparse.csr_array(np.eye(4)), np.array([0, 0, 1, 2]), MinimiserOptions(**numbers))
 
 
-def test_only_bodies_that_lack_energy_are_damped_and_by_their_share_of_the_slope():
+def test_only_bodies_that_lack_energy_are_damped_as_far_as_the_slope_makes_it_felt():
     step = np.array([0.1, 0.0, 0.2, 0.3])
     raised = damper(felt=0.1).raised(np.zeros(3), step, -5.0, np.array([3.0, 1.0, -2.0]))
-    # The damping times the squared way is a tenth of the slope, shared by what they lack.
-    np.testing.assert_allclose(raised, [0.5 * 0.75 / 0.01, 0.5 * 0.25 / 0.04, 0.0])
+    # The damping times the squared way of both is a tenth of the slope.
+    np.testing.assert_allclose(raised, [0.5 / (0.01 + 0.04), 0.5 / (0.01 + 0.04), 0.0])
 
 
 def test_damping_is_felt_even_where_nothing_is_known_of_the_energy():
