@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 from time import monotonic, perf_counter, process_time
 from typing import Any
@@ -211,8 +212,17 @@ class Recording:
 
 
 def recorded_text(case: AnyCase | BodyScene, additions: Additions) -> str:
-    """Return what `case.toml` says of a run: the case, and as comments what a script added to it."""
-    return resolved_toml(case) + additions.told
+    """Return what `case.toml` says of a run: the case, and as comments the file of its tissue and what a script added.
+    """
+    return resolved_toml(case) + file_told(case) + additions.told
+
+
+def file_told(case: AnyCase | BodyScene) -> str:
+    """Return a comment that tells a file that the tissue of a case is read from; empty where it is read from none."""
+    file = getattr(getattr(case, "tissue", None), "file", None)
+    if file is None:
+        return ""
+    return f"# tissue.file {Path(file).name}: SHA-256 {sha256(Path(file).read_bytes()).hexdigest()}\n"
 
 
 def _seconds(clock: Clock, wall: float, processor: float) -> dict[str, Any]:

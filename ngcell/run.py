@@ -23,7 +23,7 @@ from ngcell.errors import CaseError, NotConverged, OutputError
 from ngcell.export import accepted_steps, cannot_resume, read_restart, read_summary, restore_case
 from ngcell.geometry.bodies import FRAME, LOWER_PLATE, UPPER_PLATE
 from ngcell.geometry.statistics import tissue_table
-from ngcell.recording import Recording, RecordingOptions, recorded_text, use_threads
+from ngcell.recording import Recording, RecordingOptions, file_told, recorded_text, use_threads
 from ngcell.results.layout import layout_of
 from ngcell.results.observables.observable import Observable
 from ngcell.scene import AnyCase, BodyScene, Case, read_case
@@ -142,6 +142,8 @@ def resume(
     if not count:
         return Recording(case, out, additions=additions, options=how)
     restart = read_restart(out)
+    if file_told(case) not in restart.case_text:
+        raise cannot_resume(out, f"{case.tissue.file} is not what it was when the run began")  # type: ignore[union-attr]
     if restart.case_text != recorded_text(case, additions):
         what = "case.toml is not the case of this run any more" if scene is None else "it was made from another scene"
         raise cannot_resume(out, what)

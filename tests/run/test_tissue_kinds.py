@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 from matplotlib.image import imread
 
-from ngcell import Case, GeometryError, inspect, read_case, simulate
+from ngcell import Case, GeometryError, OutputError, inspect, read_case, record, resume, simulate
 from ngcell.build.discretisation import discretise
 from ngcell.build.simulation import Simulation
 from ngcell.build.stages import stages_of
@@ -176,3 +176,17 @@ def test_a_plate_has_no_wall_to_hold_is_found_before_anything_is_solved(tmp_path
     scene = Case.model_validate({"tissue": table, "material": MATERIAL, "load": load})
     with pytest.raises(GeometryError, match="no outer wall lies whole within 0.2"):
         discretise(scene)
+
+
+@pytest.mark.parametrize("is_changed", [False, True])
+def test_a_run_is_resumed_with_the_file_that_it_began_with(is_changed, tmp_path):
+    scene, out = case("polygons", tmp_path, {**SHEARED, "levels": 2}), tmp_path / "out"
+    steps = iter(record(scene, out, pictures=False))
+    next(steps)
+    del steps
+    if is_changed:
+        (tmp_path / "cells.csv").write_text(TABLE.replace("3,3", "3,3.1"))
+        with pytest.raises(OutputError, match=r"cells\.csv is not what it was when the run began"):
+            resume(out)
+    else:
+        assert len(list(resume(out, pictures=False))) == 3
