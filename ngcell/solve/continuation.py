@@ -68,12 +68,9 @@ class Continuation:
     def begin(self, apart: Minimiser, start: Array, centre: Array) -> Minimum:
         """Return where the path begins: the minimum of the problem without contact, under the first weight.
 
-        It goes down to round-off, so that the path does not depend on where it is sought: at the centre, which is near,
-        or from `start` where elements at the centre are inverted.
+        It goes down to round-off, so that the path does not depend on `start`.
         """
-        first = self.options.first
-        minimum, _ = _minimise(apart, centre, self._proximal(first, centre), 0.0, first)
-        return minimum if minimum.is_found else _minimise(apart, start, minimum.proximal, 0.0, first)[0]
+        return _minimise(apart, start, self._proximal(self.options.first, centre), 0.0, self.options.first)[0]
 
     def select(
         self, begin: State, minimisers: Sequence[Minimiser], centre: Array, *, may_stall: bool = True

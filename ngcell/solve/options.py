@@ -141,7 +141,7 @@ class ContinuationOptions:
     last_digit: float = 1e-6
     stiffen_at: float = 1e-5
     on_the_way: float = 0.01
-    at_the_end: float = 1e-10
+    at_the_end: float = 1e-12
     update: float = 0.1
     condition: float = 1e-12
     most_updates: int = 40
