@@ -14,7 +14,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 SUFFIXES = {".py", ".toml", ".md", ".txt", ".csv", ".json", ".cff"}
 FOLDERS = ("ngcell", "tests", "tools", "cases", "docs")
-FILES = ("README.md", "CHANGELOG.md", "CITATION.cff", "pyproject.toml")
+FILES = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff", "pyproject.toml")
 
 #: A word that is not used, and what says it.
 INSTEAD = {

@@ -18,7 +18,7 @@ import pyvista
 import ngcell
 from ngcell.errors import OutputError
 
-README = Path(__file__).parents[2] / "README.md"
+PAGE = Path(__file__).parents[2] / "docs" / "output.md"
 SMALL = ["tissue.rows=2", "tissue.cols=3", "load.displacement=[0.3, 0.0]", "load.levels=2"]
 
 
@@ -41,8 +41,8 @@ def solved(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
-def test_the_folder_holds_what_the_readme_lists(solved: Path):
-    named = re.findall(r"^\| (`[^|]+`) \|", README.read_text(), flags=re.MULTILINE)
+def test_the_folder_holds_what_its_page_lists(solved: Path):
+    named = re.findall(r"^\| (`[^|]+`) \|", PAGE.read_text(), flags=re.MULTILINE)
     files = [name.strip("` ") for entry in named for name in entry.split(",")]
     assert {"case.toml", "history.csv", "summary.json", "gap.png"} <= set(files)
     assert all((solved / name).stat().st_size > 0 for name in files)
@@ -74,8 +74,8 @@ def test_every_level_has_a_row_for_every_facing_pair(solved: Path):
         assert sum(wall["parted"] == "True" for wall in mine) == int(row["parted_pairs"])
 
 
-def test_the_lines_of_the_readme_open_the_result(solved: Path, monkeypatch: pytest.MonkeyPatch):
-    (snippet,) = re.findall(r"```python\n(import pyvista.*?)```", README.read_text(), flags=re.DOTALL)
+def test_the_lines_of_its_page_open_the_result(solved: Path, monkeypatch: pytest.MonkeyPatch):
+    (snippet,) = re.findall(r"```python\n(import pyvista.*?)```", PAGE.read_text(), flags=re.DOTALL)
     shown = []
     monkeypatch.setattr(pyvista.UnstructuredGrid, "plot", lambda grid, **how: shown.append((grid, how)))
     exec(snippet.replace("out/shear-empty", str(solved)), {})

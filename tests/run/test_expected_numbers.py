@@ -15,7 +15,7 @@ from click.testing import CliRunner
 from ngcell.cli import ngcell
 from ngcell.scene import read_case
 
-README = Path(__file__).parents[2] / "README.md"
+PAGE = Path(__file__).parents[2] / "docs" / "bodies.md"
 FAST = ["closing-rings", "parting-rings", "press-fit", "press-fit-tight", "stacked-blocks"]
 #: The numbers are those of the mesh of the case.
 PLAIN = ["--set", "accuracy=inf"]
@@ -54,10 +54,9 @@ def test_case_that_misses_a_number_is_not_certified(tmp_path: Path) -> None:
         assert {row["certified"] for row in csv.DictReader(file)} == {"True"}
 
 
-def test_readme_draws_a_case_that_runs(tmp_path: Path) -> None:
-    section = README.read_text().partition("### Own bodies")[2]
+def test_the_page_on_own_bodies_draws_a_case_that_runs(tmp_path: Path) -> None:
     file = tmp_path / "ring.toml"
-    file.write_text(section.partition("```toml")[2].partition("```")[0])
+    file.write_text(PAGE.read_text().partition("```toml")[2].partition("```")[0])
     answer = CliRunner().invoke(ngcell, ["solve", str(file), "--out", str(tmp_path / "out"), "--quiet"])
     assert answer.exit_code == 0, answer.output
 
