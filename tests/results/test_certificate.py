@@ -13,6 +13,7 @@ from netgen import occ
 from ngcell.build.reported import Step
 from ngcell.build.simulation import Simulation
 from ngcell.errors import CaseError
+from ngcell.results.certificate import HELD, common_check
 from ngcell.results.checks import Path
 from ngcell.results.measure import Measurement, WorkPoint, measure
 from ngcell.scene import Body, BodyScene, BodySupport, Case, MooneyRivlin
@@ -144,3 +145,12 @@ def test_a_confined_stack_is_certified_however_stiff(kappa):
     assert step.record.certified, step.measurement.certificate.failures
     # Nearly all of the energy is that of the volume; the overlap takes a little of the way.
     assert step.record.energy == pytest.approx(0.5 * kappa / 2 * np.log(0.98) ** 2, rel=0.02)
+
+
+@pytest.mark.parametrize("name", HELD)
+def test_the_proximal_term_may_hold_a_tenth_of_the_accuracy_and_what_it_always_could_without_one(name):
+    assert common_check(name, 0.009, accuracy=0.1).passed and not common_check(name, 0.011, accuracy=0.1).passed
+    assert not common_check(name, 0.0011, accuracy=0.01).passed and common_check(name, 0.0009).passed
+    assert not common_check(name, 0.0011).passed
+    # What is no matter of the proximal term does not depend on it.
+    assert not common_check("residual", 2e-6, accuracy=0.1).passed
