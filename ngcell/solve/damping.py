@@ -69,7 +69,7 @@ class Damper:
         """
         at_fault = self._at_fault(lacking)
         # As much for each of them: what presses a body at rest is at fault, too, and must not be frozen in its place.
-        felt = self.options.felt * abs(slope) / max(float(self._way(step)[at_fault].sum()), np.finfo(float).tiny)
+        felt = self.options.felt * abs(slope) / max(float(self._way(step)[at_fault].sum()), float(np.finfo(float).tiny))
         raised = np.maximum(self.options.raise_by * damping, felt)
         return np.where(at_fault, np.minimum(raised, _LARGEST), damping)
 
