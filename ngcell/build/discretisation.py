@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ngcell.build.foreseen import check_bodies_fit, check_magnitudes, check_tissue_fits
 from ngcell.errors import CaseError
 from ngcell.geometry.bodies import BodyMesh
+from ngcell.geometry.guided import without_guided_walls
 from ngcell.geometry.prisms import along_and_up
 from ngcell.geometry.sections import along_walls
 from ngcell.geometry.shapes import check_boundaries, mesh_shapes
@@ -106,7 +107,8 @@ def _user_defined(case: BodyCase) -> BodyScene:
     bodies = []
     for body in case.bodies:
         untouched = tuple(name for name in body.boundaries if name not in body.wall_boundaries)
-        bodies.append(Body(body.face, body.material, body.name, untouched))
+        walls = () if body.walls is None else body.wall_boundaries
+        bodies.append(Body(body.face, body.material, body.name, untouched, walls))
     return BodyScene(
         tuple(bodies),
         tuple(support.resolved for support in case.supports),
@@ -160,7 +162,8 @@ def _mesh(scene: BodyScene) -> BodyMesh:
     check_boundaries(bodies, [support.boundary for support in scene.supports])
     loaded = [load.boundary for load in scene.loads if load.boundary is not None]
     check_boundaries(bodies, loaded, wanted_by="load")
-    return bodies
+    supports = [support.of_bodies(bodies.dimension) for support in scene.supports]
+    return without_guided_walls(bodies, supports, [edge for body in scene.bodies for edge in body.walls])
 
 
 def _fibre_directions(scene: BodyScene, bodies: BodyMesh) -> Array | None:

@@ -46,17 +46,22 @@ class Body:
         Letters, digits, ``_`` and ``-``.
     untouched : tuple of str
         Names of edges that nothing will touch, such as planes of symmetry: they are no walls.
+    walls : tuple of str
+        Names of edges that stay walls even where they are guided: held in the plane that they lie in, with all bodies
+        on one side of it. By default nothing can touch those.
     """
 
     shape: Any
     material: Any
     name: str
     untouched: tuple[str, ...] = ()
+    walls: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         check_name(self.name, "body name")
-        for edge in sequence_of(self.untouched, str, f"body {self.name}: untouched"):
-            check_name(edge, f"body {self.name}: untouched edge")
+        for what in ("untouched", "walls"):
+            for edge in sequence_of(getattr(self, what), str, f"body {self.name}: {what}"):
+                check_name(edge, f"body {self.name}: {what} edge")
         checked("material", self.material, f"body {self.name}: material")
 
 

@@ -36,7 +36,8 @@ class UserBody(BaseModel):
     size : float, optional
         Largest length of an element's edge in it, > 0; by default that of the mesh.
     walls : tuple of str, optional
-        Sides that may touch other bodies; by default all but the cuts.
+        Sides that may touch other bodies; by default all but the cuts, and but those that a support guides in a plane
+        which all bodies are on one side of.
     """
 
     model_config = SECTION
