@@ -49,7 +49,7 @@ def _is_guided(bodies: BodyMesh, name: str, supports: Sequence[BodySupport], poi
     own = _vertices(bodies, name)
     held = [support for support in supports if support.boundary == name][-1]
     slack = _ROUND_OFF * float(np.ptp(bodies.extent, axis=0).max())
-    for axis in np.flatnonzero(held.components):
+    for axis in map(int, np.flatnonzero(held.components)):
         plane = points[own, axis]
         if np.ptp(plane) > slack or not _is_flat(bodies, name, axis) or np.abs(_moved(held, points[own], axis)).max():
             continue

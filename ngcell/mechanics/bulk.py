@@ -1,8 +1,7 @@
 """Stored energy of the bodies, one symbolic energy a material, and of what fills lumens.
 
-What fills lumens is nearly incompressible, and would lock: its volumetric energy is taken by a rule of as many points
-in each direction as its order, fewer than the full one. For quadrilaterals that is the mixed method with a
-discontinuous pressure one order lower, without the unknowns of that pressure and with an energy that is minimised.
+What fills lumens is nearly incompressible, and would lock: its volumetric energy is that of the mixed method. So is
+that of walls whose bulk modulus is above `ngcell.mechanics.mixed.INCOMPRESSIBLE` shear moduli.
 """
 
 from __future__ import annotations
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from ngcell.geometry.bodies import FILLING
 from ngcell.mechanics.laws.law import HyperelasticLaw, in_three_dimensions
+from ngcell.mechanics.mixed import INCOMPRESSIBLE, can_be_mixed, reduced_measure
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.symbolic import Integrals, SymbolicTerm
 from ngcell.mechanics.term import Configuration, Index
@@ -36,6 +36,9 @@ class BodyEnergy(SymbolicTerm):
         towards which they are; needed where a law has any.
     extra_degrees : int
         Degrees that the rule integrates exactly besides the usual ones.
+    mixed : sequence of bool, optional
+        Bodies with the volumetric energy of the mixed method; by default those that are nearly incompressible, where
+        the elements allow it.
     """
 
     def __init__(
@@ -45,26 +48,41 @@ class BodyEnergy(SymbolicTerm):
         fibre_direction: Array | None = None,
         *,
         extra_degrees: int = 0,
+        mixed: Sequence[bool] | None = None,
     ) -> None:
         self.space, self.laws = space, tuple(laws)
         self._direction, self._extra = fibre_direction, extra_degrees
+        if mixed is None:
+            mixed = [law.bulk_modulus > INCOMPRESSIBLE * law.shear_modulus for law in self.laws]
+            mixed = [each and can_be_mixed(space) for each in mixed]
+        self.mixed = tuple(mixed)
 
     def integrals(self, displacement: ngsolve.CoefficientFunction) -> Integrals:
         """Yield the stored energy of each material."""
         gradient = ngsolve.Id(self.space.dimension) + ngsolve.Grad(displacement)
         direction = () if self._direction is None else _by_element(self.space, self._direction)
         names = self.space.bodies.body_names
-        for law in dict.fromkeys(self.laws):
-            members = "|".join(name for name, mine in zip(names, self.laws, strict=True) if mine == law)
-            energy = law.stored_energy(gradient)
+        given = list(zip(self.laws, self.mixed, strict=True))
+        for law, is_mixed in dict.fromkeys(given):
+            members = "|".join(name for name, mine in zip(names, given, strict=True) if mine == (law, is_mixed))
+            energy, volumetric = law.energy_parts(gradient) if is_mixed else (law.stored_energy(gradient), None)
             if law.fibres is not None:
                 energy += law.fibres.stored_energy(gradient, direction)
             region = self.space.mesh.Materials(members)
             yield energy.Compile() * ngsolve.dx(definedon=region, bonus_intorder=self._extra)
+            if volumetric is not None:
+                yield volumetric.Compile() * reduced_measure(self.space, members)
 
     def finer(self, extra_degrees: int) -> BodyEnergy:
-        """Return the energy by a rule of higher order."""
-        return BodyEnergy(self.space, self.laws, self._direction, extra_degrees=extra_degrees)
+        """Return the energy by a rule of higher order; the volumetric one of the mixed method stays."""
+        return BodyEnergy(self.space, self.laws, self._direction, extra_degrees=extra_degrees, mixed=self.mixed)
+
+    @property
+    def is_mixed(self) -> NDArray[np.bool_]:
+        """Which elements have the volumetric energy of the mixed method, shape (elements,)."""
+        bodies = self.space.bodies
+        in_wall = np.ones(bodies.mesh.ne, dtype=bool) if bodies.is_filling is None else ~bodies.is_filling
+        return np.asarray(np.array(self.mixed)[bodies.body_of_element] & in_wall)
 
     def stress(self, gradient: Array, element: Index) -> Array:
         """Return the Cauchy stress [stress], shape (n, 3, 3); zero in what fills lumens."""
@@ -90,7 +108,7 @@ class BodyEnergy(SymbolicTerm):
 
     def softened(self, ratio: float) -> BodyEnergy:
         """Return the energy with bulk moduli of at most `ratio` times the shear moduli."""
-        return BodyEnergy(self.space, [law.softened(ratio) for law in self.laws], self._direction)
+        return BodyEnergy(self.space, [law.softened(ratio) for law in self.laws], self._direction, mixed=self.mixed)
 
 
 class InclusionEnergy(SymbolicTerm):
@@ -114,7 +132,8 @@ class InclusionEnergy(SymbolicTerm):
         gradient = ngsolve.Id(self.space.dimension) + ngsolve.Grad(displacement)
         region = self.space.mesh.Materials(FILLING)
         isochoric, volumetric = (part.Compile() for part in self.law.energy_parts(gradient))
-        return [isochoric * ngsolve.dx(definedon=region, bonus_intorder=self._extra), volumetric * self._reduced]
+        reduced = reduced_measure(self.space, FILLING)
+        return [isochoric * ngsolve.dx(definedon=region, bonus_intorder=self._extra), volumetric * reduced]
 
     def finer(self, extra_degrees: int) -> InclusionEnergy:
         """Return the energy with its isochoric part by a rule of higher order.
@@ -122,13 +141,6 @@ class InclusionEnergy(SymbolicTerm):
         The reduced rule of the volumetric part stays: it is no approximation of an integral, but the mixed method.
         """
         return InclusionEnergy(self.space, self.law, extra_degrees=extra_degrees)
-
-    @property
-    def _reduced(self) -> ngsolve.comp.DifferentialSymbol:
-        """The measure of the volumetric energy: as many points in each direction as the order."""
-        kinds, degree = (ngsolve.ET.QUAD, ngsolve.ET.HEX), 2 * self.space.order - 1
-        rules = {kind: ngsolve.IntegrationRule(kind, degree) for kind in kinds}
-        return ngsolve.dx(definedon=self.space.mesh.Materials(FILLING), intrules=rules)
 
     def stress(self, gradient: Array, element: Index) -> Array:
         """Return the Cauchy stress [stress], shape (n, 3, 3); zero in walls."""
@@ -160,10 +172,11 @@ class InclusionEnergy(SymbolicTerm):
         space = self.space
         planar = ngsolve.Id(space.dimension) + ngsolve.Grad(space.function(at.displacement))
         gradient = in_three_dimensions(planar).MakeVariable()
-        rules = [ngsolve.dx(definedon=space.mesh.Materials(FILLING), bonus_intorder=self._extra), self._reduced]
+        reduced = reduced_measure(space, FILLING)
+        rules = [ngsolve.dx(definedon=space.mesh.Materials(FILLING), bonus_intorder=self._extra), reduced]
         parts = [part.Diff(gradient) for part in self.law.energy_parts(gradient)]
         works = [ngsolve.InnerProduct(part, gradient) * rule for part, rule in zip(parts, rules, strict=True)]
-        volume = _by_body(space, ngsolve.Det(gradient) * self._reduced)
+        volume = _by_body(space, ngsolve.Det(gradient) * reduced)
         return {"cell_pressure": -sum(_by_body(space, work) for work in works) / 3 / volume}
 
 

@@ -253,6 +253,12 @@ class Term(ABC):
         """
         return 0.0
 
+    @property
+    def is_mixed(self) -> NDArray[np.bool_] | None:
+        """Elements whose stress takes the volume ratio of the mixed method, shape (elements,); None if there are none;
+        see `ngcell.mechanics.mixed`."""
+        return None
+
     def stress(self, gradient: Array, element: Index) -> Array | None:
         """Return the part of the Cauchy stress [stress], shape (n, 3, 3), of deformation gradients in elements."""
         return None

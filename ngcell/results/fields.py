@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.contact.surface.surface import Surface
+from ngcell.mechanics.mixed import with_counted_volume
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.term import Configuration
 from ngcell.problem.problem import Problem
@@ -67,7 +68,8 @@ def _bulk_grid(problem: Problem, displacement: Array, body_data: Mapping[str, ND
     places = map_points(space, kind, pattern.points)
     body = space.bodies.body_of_element[places["nr"]]
     gradient = _deformation_gradient(space, displacement, places)
-    stress = cauchy_stress(problem.terms, gradient, places["nr"])
+    counted = _with_counted_volume(problem, displacement, gradient, pattern.points)
+    stress = cauchy_stress(problem.terms, counted, places["nr"])
     cells = _repeat_cells(pattern, len(places))
     cell_id = body[cells[:, 0]]
     return Grid(
@@ -108,6 +110,17 @@ def _deformation_gradient(space: DisplacementSpace, displacement: Array, places:
     own = ngsolve.Grad(space.function(displacement))(places).reshape(-1, dimension, dimension)
     gradient[:, :dimension, :dimension] += own
     return gradient
+
+
+def _with_counted_volume(problem: Problem, displacement: Array, gradient: Array, points: Array) -> Array:
+    """Return deformation gradients with the volume ratio that the stored energy counts; see `ngcell.mechanics.mixed`.
+    """
+    marked = [is_mixed for term in problem.terms if (is_mixed := term.is_mixed) is not None]
+    mixed = np.any(marked, axis=0) if marked else np.zeros(1, dtype=bool)
+    if not mixed.any():
+        return gradient
+    counted = with_counted_volume(problem.space, displacement, gradient, points)
+    return np.where(np.repeat(mixed, len(points))[:, None, None], counted, gradient)
 
 
 def _von_mises(stress: Array) -> Array:
