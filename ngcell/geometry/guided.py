@@ -1,4 +1,4 @@
-"""Walls that nothing can touch, since they slide in a plane that stays where it is and all bodies are on one side of it.
+"""Walls that nothing can touch: they slide in a plane that stays where it is, and all bodies are on one side of it.
 
 Such a plane is one of symmetry, or a frictionless guide. A corner where a guided side ends is no corner of what the
 bodies stand for: were the side a wall, points beside it that are pressed into the other body would be nearest to that
