@@ -30,10 +30,10 @@ def last(simulation):
 
 @pytest.mark.parametrize("ratio", [1e5, 1e7])
 def test_hardly_compressible_walls_are_certified_and_do_not_lock(ratio):
-    """A ratio of 1.01e4 is incompressible, but for 1e-4; by the full rule they store 1.05 and 1.2 times as much."""
+    """A ratio of 1e3 is incompressible, but for 0.3 %; by the full rule they store 1.05 and 1.2 times as much."""
     step, incompressible = last(sheared(ratio)), last(sheared(INCOMPRESSIBLE * 1.01))
     assert step.record.certified
-    assert step.record.energy == pytest.approx(incompressible.record.energy, rel=1e-3)
+    assert step.record.energy == pytest.approx(incompressible.record.energy, rel=3e-3)
 
 
 def test_one_mesh_tells_nearly_what_finer_ones_do():
