@@ -1,0 +1,40 @@
+"""Every block of code of the tutorial and of the how-to pages runs, and the tutorial prints what it says."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from tests.docs.pages import Page
+from tools.places import DOCS
+
+HOW_TO = sorted((DOCS / "how-to").glob("*.md"))
+
+
+def smaller(text: str) -> str:
+    """Ask for no estimate of the error, which takes most of the time, and for one level."""
+    return re.sub(r"levels( ?= ?)2", r"levels\g<1>1", re.sub(r"accuracy( ?= ?)0\.1", r"accuracy\g<1>inf", text))
+
+
+def labelled(text: str) -> dict[str, float]:
+    """Return the numbers that are told with their errors, each by the words before it."""
+    return {label: float(value) for label, value in re.findall(r"^ *(\S.*?) +(\S+) ± ", text, flags=re.MULTILINE)}
+
+
+@pytest.mark.parametrize("path", HOW_TO, ids=lambda path: path.stem)
+def test_a_how_to_page_runs(path: Path, tmp_path: Path) -> None:
+    assert list(Page(path, tmp_path, smaller).follow())
+
+
+def test_the_tutorial_prints_what_it_says(tmp_path: Path) -> None:
+    told = [(printed, said) for printed, said in Page(DOCS / "tutorial.md", tmp_path).follow() if said]
+    assert len(told) == 2
+    for printed, said in told:
+        found, promised = labelled(printed), labelled(said)
+        assert promised and found.keys() >= promised.keys()
+        assert [found[label] for label in promised] == [pytest.approx(value, rel=0.01) for value in promised.values()]
+    for folder in ("first", "five", "own-law"):
+        assert (tmp_path / "out" / folder / "tissue.png").stat().st_size > 1000
+    assert "certified: True" in told[-1][0]

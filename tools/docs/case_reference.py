@@ -1,0 +1,97 @@
+"""The case reference: every table of a case file and its entries, from the JSON schema.
+
+Types, limits and defaults are the schema's. What an entry means is in the docstring of its table, whose parameters are
+the entries; a table that shares entries with others names the class that describes them.
+"""
+
+from __future__ import annotations
+
+import re
+from importlib import import_module
+from typing import Any
+
+from ngcell.scene import schema
+
+_SHARED = re.compile(r"`(ngcell\.[\w.]+)\.(\w+)`")
+_LIMITS = {"exclusiveMinimum": ">", "minimum": "≥", "exclusiveMaximum": "<", "maximum": "≤"}
+_INTRODUCTION = """# Case reference
+
+Every table of a case file with its entries, made from the schema that `ngcell schema` prints. An entry without a default
+is required. How the tables go together: [cases](../cases.md), [own bodies](../bodies.md).
+
+"""
+
+Schema = dict[str, Any]
+
+
+def case_reference() -> str:
+    """Return the page, in Markdown."""
+    tables = schema()["$defs"]
+    first = ["Case", "BodyCase"]
+    names = [*first, *sorted(name for name in tables if name not in first and not name.endswith("InPart"))]
+    return _INTRODUCTION + "\n".join(_table(name, tables[name]) for name in names)
+
+
+def _table(name: str, table: Schema) -> str:
+    kind = table["properties"].get("kind", {}).get("const")
+    about, meanings = described(table.get("description", ""))
+    rows = [
+        f"| `{entry}` | {_type(what)} | {_default(what, entry in table.get('required', []))} "
+        f"| {_cell(meanings.get(entry, ''))} |"
+        for entry, what in table["properties"].items()
+        if entry != "kind"
+    ]
+    heading = f"## {name}" + (f': `kind = "{kind}"`' if kind else "")
+    listed = "\n".join(["| entry | type | default | meaning |", "|---|---|---|---|", *rows]) if rows else "No entries."
+    return f"({_label(name)})=\n\n{heading}\n\n{about}\n\n{listed}\n"
+
+
+def described(text: str) -> tuple[str, dict[str, str]]:
+    """Return what a docstring says of a table, and what of each of its entries, those of shared classes included."""
+    about, _, rest = text.partition("\nParameters\n----------\n")
+    meanings: dict[str, str] = {}
+    for module, name in _SHARED.findall(text):
+        shared = getattr(import_module(module), name, None)
+        meanings |= described(_dedented(shared.__doc__ or ""))[1] if isinstance(shared, type) else {}
+    section = re.split(r"\n\n\w+\n-+\n", rest)[0]
+    for entry, meaning in re.findall(r"^(\w+) : [^\n]*\n((?:(?: +[^\n]*)?\n?)*)", section, flags=re.MULTILINE):
+        meanings[entry] = " ".join(meaning.split())
+    return _SHARED.sub(r"\2", about.strip()), meanings
+
+
+def _dedented(text: str) -> str:
+    first, _, rest = text.partition("\n")
+    return f"{first}\n" + re.sub(r"^    ", "", rest, flags=re.MULTILINE)
+
+
+def _type(what: Schema) -> str:
+    """Return type and limits of an entry, with links to tables."""
+    for several in ("anyOf", "oneOf"):
+        if several in what:
+            told = [_type(one) for one in what[several] if one.get("type") != "null"]
+            return ", or ".join(dict.fromkeys(told))
+    if "$ref" in what:
+        name = what["$ref"].rpartition("/")[2]
+        return f"[{name}](#{_label(name)})"
+    if "enum" in what or "const" in what:
+        return ", ".join(f'`"{value}"`' for value in what.get("enum", [what.get("const")]))
+    if what.get("type") == "array":
+        parts = what.get("prefixItems")
+        return f"list of {len(parts)} numbers" if parts else f"list of: {_type(what.get('items', {}))}"
+    limits = ", ".join(f"{sign} {what[key]:g}" for key, sign in _LIMITS.items() if key in what)
+    return f"{what.get('type', 'any')} {limits}".strip()
+
+
+def _default(what: Schema, required: bool) -> str:
+    value = what.get("default")
+    if required or value is None or isinstance(value, dict | list) or value == "":
+        return "required" if required else ""
+    return f'`"{value}"`' if isinstance(value, str) else f"`{str(value).lower()}`"
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|").replace("<", "&lt;")
+
+
+def _label(name: str) -> str:
+    return f"table-{name.lower()}"

@@ -1,0 +1,90 @@
+"""Notebooks as pages of the site, with the results that they are kept with; and run anew, in a folder of their own.
+
+How to run them again and keep the results: python -c "from tools.docs.notebooks import renew; renew()"
+"""
+
+from __future__ import annotations
+
+import re
+from base64 import b64decode
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from ngcell.errors import DependencyError
+from tools.places import DOCS, ROOT
+
+NOTEBOOKS = sorted((DOCS / "notebooks").glob("*.ipynb"))
+#: Seconds that a cell may take.
+_LONGEST = 600
+
+
+def write_pages(folder: Path) -> None:
+    """Write a page, and the pictures in it, for each notebook."""
+    folder.mkdir(exist_ok=True)
+    for file in NOTEBOOKS:
+        texts = [_cell(cell, folder, f"{file.stem}-{number}") for number, cell in enumerate(read(file).cells)]
+        (folder / f"{file.stem}.md").write_text("\n\n".join(texts) + "\n")
+
+
+def read(file: Path) -> Any:
+    """Return a notebook."""
+    try:
+        import nbformat
+    except ImportError as error:
+        raise DependencyError('notebooks take nbformat: pip install ".[docs]"') from error
+    return nbformat.read(file, as_version=4)  # type: ignore[no-untyped-call]
+
+
+def executed(notebook: Any, setting: str | None = None) -> Any:
+    """Return a notebook after all of its cells have run in an empty folder.
+
+    Parameters
+    ----------
+    notebook : notebook
+        The notebook, which is changed.
+    setting : str, optional
+        Code that takes the place of the cell tagged `settings`.
+    """
+    from nbclient import NotebookClient
+
+    for cell in notebook.cells:
+        if setting is not None and "settings" in cell.metadata.get("tags", []):
+            cell.source = setting
+    with TemporaryDirectory() as folder:
+        metadata = {"path": folder}
+        client = NotebookClient(notebook, timeout=_LONGEST, kernel_name="python3", resources={"metadata": metadata})
+        return client.execute()
+
+
+def renew() -> None:
+    """Run all notebooks and keep their results; times and versions of the machine are left out."""
+    import nbformat
+
+    for file in NOTEBOOKS:
+        notebook = executed(read(file))
+        for cell in notebook.cells:
+            cell.metadata.pop("execution", None)
+        notebook.metadata.pop("language_info", None)
+        nbformat.write(notebook, file)  # type: ignore[no-untyped-call]
+
+
+def foreign(notebook: Any) -> list[str]:
+    """Return the paths of a machine that a notebook holds."""
+    return re.findall(r"(?:/home/|/tmp/|/work/|/root/|/Users/|[A-Z]:\\\\)[^\s\"]*|" + re.escape(str(ROOT)), str(notebook))
+
+
+def _cell(cell: Any, folder: Path, name: str) -> str:
+    if cell.cell_type == "markdown":
+        return str(cell.source)
+    outputs = (_output(output, folder, f"{name}-{number}") for number, output in enumerate(cell.outputs))
+    return "\n\n".join([f"```python\n{cell.source}\n```", *filter(None, outputs)])
+
+
+def _output(output: Any, folder: Path, name: str) -> str:
+    data = output.get("data", {})
+    if "image/png" in data:
+        (folder / f"{name}.png").write_bytes(b64decode(data["image/png"]))
+        return f"![]({name}.png)"
+    text = output.get("text") or data.get("text/plain", "")
+    return f"```text\n{text.rstrip()}\n```" if text else ""
