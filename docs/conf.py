@@ -30,3 +30,5 @@ autodoc_typehints = "none"  # types, shapes and units are in the sections on par
 napoleon_use_param = False  # parameters in one list, as they are written
 napoleon_use_rtype = False
 add_module_names = False
+#: Types in docstrings are words, such as "array of float, shape (2,)"; only names of this package are links.
+nitpick_ignore_regex = [("py:.*", r"(?!ngcell\.).*")]

@@ -5,6 +5,7 @@ How to run them again and keep the results: python -c "from tools.docs.notebooks
 
 from __future__ import annotations
 
+import os
 import re
 from base64 import b64decode
 from pathlib import Path
@@ -54,7 +55,7 @@ def executed(notebook: Any, setting: str | None = None) -> Any:
     with TemporaryDirectory() as folder:
         metadata = {"path": folder}
         client = NotebookClient(notebook, timeout=_LONGEST, kernel_name="python3", resources={"metadata": metadata})
-        return client.execute()
+        return client.execute(env={**os.environ, "PYTHONPATH": str(ROOT)})
 
 
 def renew() -> None:

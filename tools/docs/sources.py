@@ -61,10 +61,12 @@ def linked(page: Path) -> Iterator[Path]:
 def as_source(page: Path) -> str:
     """Return the text of a page as Sphinx reads it.
 
-    Links lead to where their targets are in the site, and what is written for the site alone is shown. The first page
+    Every page has a title, links lead to where their targets are in the site, and what is written for the site alone is shown. The first page
     gets a table of contents for each of its lists of links.
     """
     text = _SITE_ONLY.sub(r"\1", page.read_text())
+    if not text.startswith("# "):
+        text = f"# {page.stem.capitalize()}\n\n{text}"
     if page == DOCS / "index.md":
         text += _tables_of_contents(text)
     return _LINK.sub(lambda link: _moved(page, link.group()), text)
