@@ -16,8 +16,8 @@ _SHARED = re.compile(r"`(ngcell\.[\w.]+)\.(\w+)`")
 _LIMITS = {"exclusiveMinimum": ">", "minimum": "≥", "exclusiveMaximum": "<", "maximum": "≤"}
 _INTRODUCTION = """# Case reference
 
-Every table of a case file with its entries, made from the schema that `ngcell schema` prints. An entry without a default
-is required. How the tables go together: [cases](../cases.md), [own bodies](../bodies.md).
+Every table of a case file with its entries, made from the schema that `ngcell schema` prints. Where no default is
+shown, the meaning says what holds without the entry. How the tables go together: [cases](../cases.md), [own bodies](../bodies.md).
 
 """
 
@@ -36,13 +36,13 @@ def _table(name: str, table: Schema) -> str:
     kind = table["properties"].get("kind", {}).get("const")
     about, meanings = described(table.get("description", ""))
     rows = [
-        f"| `{entry}` | {_type(what)} | {_default(what, entry in table.get('required', []))} "
-        f"| {_cell(meanings.get(entry, ''))} |"
+        f"| `{entry}` | {_cell(meanings.get(entry, ''))} "
+        f"| {_type(what)} | {_default(what, entry in table.get('required', []))} |"
         for entry, what in table["properties"].items()
         if entry != "kind"
     ]
     heading = f"## {name}" + (f': `kind = "{kind}"`' if kind else "")
-    listed = "\n".join(["| entry | type | default | meaning |", "|---|---|---|---|", *rows]) if rows else "No entries."
+    listed = "\n".join(["| entry | meaning | type | default |", "|---|---|---|---|", *rows]) if rows else "No entries."
     return f"({_label(name)})=\n\n{heading}\n\n{about}\n\n{listed}\n"
 
 
