@@ -1,18 +1,19 @@
 """The case reference: every table of a case file and its entries, from the JSON schema.
 
 Types, limits and defaults are the schema's. What an entry means is in the docstring of its table, whose parameters are
-the entries; a table that shares entries with others names the class that describes them.
+the entries, or in that of a class that it shares them with.
 """
 
 from __future__ import annotations
 
 import re
-from importlib import import_module
+from inspect import cleandoc
 from typing import Any
 
+import ngcell
 from ngcell.scene import schema
 
-_SHARED = re.compile(r"`(ngcell\.[\w.]+)\.(\w+)`")
+_SHARED = re.compile(r"those of `ngcell\.[\w.]+`")
 _LIMITS = {"exclusiveMinimum": ">", "minimum": "≥", "exclusiveMaximum": "<", "maximum": "≤"}
 _INTRODUCTION = """# Case reference
 
@@ -34,9 +35,10 @@ def case_reference() -> str:
 
 def _table(name: str, table: Schema) -> str:
     kind = table["properties"].get("kind", {}).get("const")
-    about, meanings = described(table.get("description", ""))
+    about, _ = described(table.get("description", ""))
+    told = meanings(name, table)
     rows = [
-        f"| `{entry}` | {_cell(meanings.get(entry, ''))} "
+        f"| `{entry}` | {_cell(told.get(entry, ''))} "
         f"| {_type(what)} | {_default(what, entry in table.get('required', []))} |"
         for entry, what in table["properties"].items()
         if entry != "kind"
@@ -47,21 +49,19 @@ def _table(name: str, table: Schema) -> str:
 
 
 def described(text: str) -> tuple[str, dict[str, str]]:
-    """Return what a docstring says of a table, and what of each of its entries, those of shared classes included."""
+    """Return what a docstring says of a table, and what of each of its entries."""
     about, _, rest = text.partition("\nParameters\n----------\n")
-    meanings: dict[str, str] = {}
-    for module, name in _SHARED.findall(text):
-        shared = getattr(import_module(module), name, None)
-        meanings |= described(_dedented(shared.__doc__ or ""))[1] if isinstance(shared, type) else {}
     section = re.split(r"\n\n\w+\n-+\n", rest)[0]
-    for entry, meaning in re.findall(r"^(\w+) : [^\n]*\n((?:(?: +[^\n]*)?\n?)*)", section, flags=re.MULTILINE):
-        meanings[entry] = " ".join(meaning.split())
-    return _SHARED.sub(r"\2", about.strip()), meanings
+    found = re.findall(r"^(\w+(?:, \w+)*) : [^\n]*\n((?:(?: +[^\n]*)?\n?)*)", section, flags=re.MULTILINE)
+    told = {entry: " ".join(meaning.split()) for entries, meaning in found for entry in entries.split(", ")}
+    return _SHARED.sub("those below", about.strip()), told
 
 
-def _dedented(text: str) -> str:
-    first, _, rest = text.partition("\n")
-    return f"{first}\n" + re.sub(r"^    ", "", rest, flags=re.MULTILINE)
+def meanings(name: str, table: Schema) -> dict[str, str]:
+    """Return what is said of each entry of a table: by itself, or by a class that it shares entries with."""
+    parents = getattr(ngcell, name, object).__mro__[:0:-1]
+    shared = [described(cleandoc(parent.__doc__ or ""))[1] for parent in parents if parent.__module__.startswith("ngcell.")]
+    return {entry: text for told in [*shared, described(table.get("description", ""))[1]] for entry, text in told.items()}
 
 
 def _type(what: Schema) -> str:
