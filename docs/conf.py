@@ -1,8 +1,6 @@
-"""Settings of the site; `python -m tools.docs` prepares its pages and builds it."""
+"""Settings of the site; `python -m tools.docs site` prepares its pages and builds it."""
 
 from __future__ import annotations
-
-from typing import Any
 
 import ngcell
 

@@ -16,7 +16,8 @@ contents = {
 }
 figure, axes = plt.subplots(figsize=(6, 4), layout="constrained")
 for at, (name, settings) in enumerate(contents.items()):
-    case = ngcell.read_case("shear-empty-3x3", ["accuracy=0.1", "load.displacement=[0.4, 0.0]", "load.levels=1", *settings])
+    load = ["load.displacement=[0.4, 0.0]", "load.levels=1"]
+    case = ngcell.read_case("shear-empty-3x3", ["accuracy=0.1", *load, *settings])
     step = ngcell.simulate(case)[-1].record
     label = name if step.certified else f"{name}, not certified"
     print(f"{label}: mean gap {step.mean_gap:.4f} ± {step.mean_gap_error:.4f}, parted pairs {step.parted_pairs}")

@@ -1,6 +1,7 @@
 """Voronoi cells in a frame
 
-Twelve Voronoi cells whose outer walls follow a shear. Each is stretched along one diagonal and squeezed along the other.
+Twelve Voronoi cells whose outer walls follow a shear. Each is stretched along one diagonal and squeezed along the
+other.
 """
 
 import ngcell

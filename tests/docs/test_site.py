@@ -12,8 +12,8 @@ import pytest
 import ngcell
 from ngcell.scene import schema
 from tools.docs import gallery, notebooks, reference
-from tools.docs.build import prepare, sphinx
 from tools.docs.case_reference import case_reference, meanings
+from tools.docs.site import prepare, sphinx
 from tools.docs.sources import as_source
 from tools.places import DOCS, ROOT
 

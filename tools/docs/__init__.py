@@ -1,1 +1,7 @@
-"""The documentation as a site: pages of `docs`, and pages made from the schema, the commands, the names and by running."""
+"""What is handed to others: the documentation as a site, its notebooks, and releases that install anywhere."""
+
+from __future__ import annotations
+
+from tools.commands import Commands
+
+commands = Commands("tools.docs", ("site", "notebooks", "release"), __doc__)

@@ -1,5 +1,5 @@
 """``python -m tools.docs``."""
 
-from tools.docs.build import command
+from tools.docs import commands
 
-command()
+commands()

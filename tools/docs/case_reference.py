@@ -18,7 +18,8 @@ _LIMITS = {"exclusiveMinimum": ">", "minimum": "≥", "exclusiveMaximum": "<", "
 _INTRODUCTION = """# Case reference
 
 Every table of a case file with its entries, made from the schema that `ngcell schema` prints. Where no default is
-shown, the meaning says what holds without the entry. How the tables go together: [cases](../cases.md), [own bodies](../bodies.md).
+shown, the meaning says what holds without the entry. How the tables go together: [cases](../cases.md),
+[own bodies](../bodies.md).
 
 """
 
@@ -60,8 +61,9 @@ def described(text: str) -> tuple[str, dict[str, str]]:
 def meanings(name: str, table: Schema) -> dict[str, str]:
     """Return what is said of each entry of a table: by itself, or by a class that it shares entries with."""
     parents = getattr(ngcell, name, object).__mro__[:0:-1]
-    shared = [described(cleandoc(parent.__doc__ or ""))[1] for parent in parents if parent.__module__.startswith("ngcell.")]
-    return {entry: text for told in [*shared, described(table.get("description", ""))[1]] for entry, text in told.items()}
+    texts = [cleandoc(parent.__doc__ or "") for parent in parents if parent.__module__.startswith("ngcell.")]
+    told = (described(text)[1] for text in (*texts, table.get("description", "")))
+    return {entry: meaning for each in told for entry, meaning in each.items()}
 
 
 def _type(what: Schema) -> str:

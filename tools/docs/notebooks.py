@@ -1,6 +1,6 @@
-"""Notebooks as pages of the site, with the results that they are kept with; and run anew, in a folder of their own.
+"""Run all notebooks and keep their results: python -m tools.docs notebooks
 
-How to run them again and keep the results: python -c "from tools.docs.notebooks import renew; renew()"
+Each runs in an empty folder, and is kept without what tells of the machine. The site shows them with these results.
 """
 
 from __future__ import annotations
@@ -12,7 +12,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+import click
+
 from ngcell.errors import DependencyError
+from tools.commands import described
 from tools.places import DOCS, ROOT
 
 NOTEBOOKS = sorted((DOCS / "notebooks").glob("*.ipynb"))
@@ -58,8 +61,8 @@ def executed(notebook: Any, setting: str | None = None) -> Any:
         return client.execute(env={**os.environ, "PYTHONPATH": str(ROOT)})
 
 
-def renew() -> None:
-    """Run all notebooks and keep their results; times and versions of the machine are left out."""
+@described(__doc__)
+def command() -> None:
     import nbformat
 
     for file in NOTEBOOKS:
@@ -68,6 +71,7 @@ def renew() -> None:
             cell.metadata.pop("execution", None)
         notebook.metadata.pop("language_info", None)
         nbformat.write(notebook, file)  # type: ignore[no-untyped-call]
+        click.echo(file)
 
 
 def foreign(notebook: Any) -> list[str]:

@@ -1,4 +1,4 @@
-"""Build the site into a folder, by default build/site: python -m tools.docs
+"""Build the site into a folder, by default build/site: python -m tools.docs site
 
 Pages are copied from docs, with the documents at the top of the repository and the tables of results that they link.
 Further ones are made: the case reference from the JSON schema, the commands from click, the Python reference from the
