@@ -76,7 +76,8 @@ def command() -> None:
 
 def foreign(notebook: Any) -> list[str]:
     """Return the paths of a machine that a notebook holds."""
-    return re.findall(r"(?:/home/|/tmp/|/work/|/root/|/Users/|[A-Z]:\\\\)[^\s\"']*|" + re.escape(str(ROOT)), str(notebook))
+    usual = r"(?:/home/|/tmp/|/work/|/root/|/Users/|[A-Z]:\\)[^\s\"']*"
+    return re.findall(f"{usual}|{re.escape(str(ROOT))}", str(notebook))
 
 
 def _cell(cell: Any, folder: Path, name: str) -> str:

@@ -25,7 +25,8 @@ TITLES = {
 def commands() -> str:
     """Return the page of the commands."""
     text = "What follows is what ``--help`` tells. What it means: :doc:`../command-line`."
-    return f"{_titled('All commands', '=')}\n{text}\n\n.. click:: ngcell.cli:ngcell\n   :prog: ngcell\n   :nested: full\n"
+    listed = ".. click:: ngcell.cli:ngcell\n   :prog: ngcell\n   :nested: full\n"
+    return f"{_titled('All commands', '=')}\n{text}\n\n{listed}"
 
 
 def names() -> str:

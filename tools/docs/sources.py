@@ -22,7 +22,7 @@ _FENCE = re.compile(r"^```.*?^```", re.DOTALL | re.MULTILINE)
 def copy_pages(source: Path) -> None:
     """Write the pages of `docs`, and what they link in the repository, into the folder that Sphinx reads."""
     shutil.copytree(DOCS, source, ignore=shutil.ignore_patterns("__pycache__", "*.ipynb"))
-    waiting = [DOCS / "index.md", *sorted(set(DOCS.rglob("*.md")) - {DOCS / "index.md"}), *(ROOT / name for name in TOP)]
+    waiting = [*sorted(DOCS.rglob("*.md")), *(ROOT / name for name in TOP)]
     done = set()
     while waiting:
         page = waiting.pop(0)
@@ -61,8 +61,8 @@ def linked(page: Path) -> Iterator[Path]:
 def as_source(page: Path) -> str:
     """Return the text of a page as Sphinx reads it.
 
-    Every page has a title, links lead to where their targets are in the site, and what is written for the site alone is shown. The first page
-    gets a table of contents for each of its lists of links.
+    Every page has a title, links lead to where their targets are in the site, and what is written for the site alone is
+    shown. The first page gets a table of contents for each of its lists of links.
     """
     text = _SITE_ONLY.sub(r"\1", page.read_text())
     if not text.startswith("# "):
