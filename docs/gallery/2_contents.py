@@ -1,7 +1,7 @@
 """What fills the cells
 
 The same shear with empty cells, cells under pressure, cells full of a fluid, and cells full of a soft solid. A pressure
-keeps walls together; a fluid has no pressure before its cell is deformed.
+keeps walls together; a fluid has no pressure before its cell is deformed. A bar that is not certified would be grey.
 """
 
 import matplotlib.pyplot as plt
@@ -19,9 +19,8 @@ for at, (name, settings) in enumerate(contents.items()):
     load = ["load.displacement=[0.4, 0.0]", "load.levels=1"]
     case = ngcell.read_case("shear-empty-3x3", ["accuracy=0.1", *load, *settings])
     step = ngcell.simulate(case)[-1].record
-    label = name if step.certified else f"{name}, not certified"
-    print(f"{label}: mean gap {step.mean_gap:.4f} ± {step.mean_gap_error:.4f}, parted pairs {step.parted_pairs}")
-    axes.bar(at, step.mean_gap, yerr=step.mean_gap_error, capsize=6, color="C0", label=label)
+    print(f"{name}: mean gap {step.mean_gap:.4f} ± {step.mean_gap_error:.4f}, certified: {step.certified}")
+    axes.bar(at, step.mean_gap, yerr=step.mean_gap_error, capsize=6, color="C0" if step.certified else "lightgrey")
 axes.set_xticks(range(len(contents)), contents)
 axes.set_ylabel("mean gap at a displacement of 0.4")
 figure.savefig("contents.png", dpi=120)

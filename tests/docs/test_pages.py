@@ -7,10 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from tests.docs.pages import Page
+from tests.docs.pages import FENCE, Page
 from tools.places import DOCS
 
 HOW_TO = sorted((DOCS / "how-to").glob("*.md"))
+#: Pages whose blocks other tests take: tests/run/test_documents.py, test_end_to_end.py and test_expected_numbers.py,
+#: and of the first page, which shows commands of the tutorial, the one below.
+ELSEWHERE = {"cases": ["toml"], "python": ["python"], "output": ["python"], "bodies": ["toml"], "index": ["sh"]}
 
 
 def smaller(text: str) -> str:
@@ -38,3 +41,15 @@ def test_the_tutorial_prints_what_it_says(tmp_path: Path) -> None:
     for folder in ("first", "five", "own-law"):
         assert (tmp_path / "out" / folder / "tissue.png").stat().st_size > 1000
     assert "certified: True" in told[-1][0]
+
+
+def test_no_page_has_a_block_that_no_test_takes() -> None:
+    pages = sorted(set(DOCS.rglob("*.md")) - {*HOW_TO, DOCS / "tutorial.md"})
+    blocks = {page.stem: [block[1] for block in FENCE.finditer(page.read_text())] for page in pages}
+    assert {page: languages for page, languages in blocks.items() if languages} == ELSEWHERE
+
+
+def test_the_first_page_starts_as_the_tutorial_does() -> None:
+    (first,) = FENCE.finditer((DOCS / "index.md").read_text())
+    tutorial = [line for block in FENCE.finditer((DOCS / "tutorial.md").read_text()) for line in block[2].splitlines()]
+    assert set(first[2].splitlines()) <= set(tutorial)

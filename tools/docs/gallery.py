@@ -13,7 +13,6 @@ import resource
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -21,7 +20,8 @@ from tempfile import TemporaryDirectory
 from tools.places import DOCS, ROOT
 
 SCRIPTS = sorted((DOCS / "gallery").glob("*.py"))
-_SHOWN = "picture: "
+#: How a script names its picture, last of all.
+SHOWN = "picture: "
 
 
 @dataclass(frozen=True)
@@ -73,17 +73,8 @@ def result(script: Path, kept: Path) -> Shown:
     return shown
 
 
-def run(script: Path, picture: Path, change: Callable[[str], str] = str) -> Shown:
+def run(script: Path, picture: Path) -> Shown:
     """Run a script, save its picture and return what it printed.
-
-    Parameters
-    ----------
-    script : Path
-        The script.
-    picture : Path
-        Where its picture goes.
-    change : function
-        What its text is passed through before, for smaller runs.
 
     Raises
     ------
@@ -91,12 +82,10 @@ def run(script: Path, picture: Path, change: Callable[[str], str] = str) -> Show
         If the script fails, or names no picture.
     """
     with TemporaryDirectory() as folder:
-        file = Path(folder) / script.name
-        file.write_text(change(script.read_text()))
         before = _seconds()
-        code = f"import runpy, sys; sys.path.insert(0, {str(ROOT)!r}); runpy.run_path({script.name!r})"
+        code = f"import runpy, sys; sys.path.insert(0, {str(ROOT)!r}); runpy.run_path({str(script)!r})"
         ended = subprocess.run([sys.executable, "-c", code], cwd=folder, capture_output=True, text=True)
-        printed, _, name = ended.stdout.rpartition(_SHOWN)
+        printed, _, name = ended.stdout.rpartition(SHOWN)
         if ended.returncode or not name.strip():
             raise RuntimeError(f"{script.name} failed:\n{ended.stdout}{ended.stderr}")
         shutil.copyfile(Path(folder) / name.strip(), picture)

@@ -76,7 +76,7 @@ def command() -> None:
 
 def foreign(notebook: Any) -> list[str]:
     """Return the paths of a machine that a notebook holds."""
-    usual = r"(?:/home/|/tmp/|/work/|/root/|/Users/|[A-Z]:\\)[^\s\"']*"
+    usual = r"(?:/home/|/tmp/|/work/|/root/|/Users/|[A-Z]:\\+Users)[^\s\"']*"
     return re.findall(f"{usual}|{re.escape(str(ROOT))}", str(notebook))
 
 

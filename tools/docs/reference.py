@@ -32,15 +32,15 @@ def commands() -> str:
 def names() -> str:
     """Return the page of the public names, one section for each part of the package."""
     text = "The names of ``ngcell``. How scripts use them: :doc:`../python` and the how-to pages."
-    return f"{_titled('Python reference', '=')}\n{text}\n\n.. module:: ngcell\n\n" + "\n".join(
-        f"{_titled(TITLES[part], '-')}\n{''.join(map(_entry, listed))}" for part, listed in sections()
-    )
+    titled = {part: _titled(TITLES.get(part, part.capitalize()), "-") for part, _ in sections()}
+    listed = (f"{titled[part]}\n{''.join(map(_entry, found))}" for part, found in sections())
+    return f"{_titled('Python reference', '=')}\n{text}\n\n.. module:: ngcell\n\n" + "\n".join(listed)
 
 
 def sections() -> list[tuple[str, list[str]]]:
     """Return the public names of each part of the package."""
-    order = list(TITLES)
     parts = {name: getattr(ngcell, name).__module__.split(".")[1] for name in ngcell.__all__}
+    order = [*TITLES, *sorted(set(parts.values()) - TITLES.keys())]
     listed = sorted(ngcell.__all__, key=lambda name: (order.index(parts[name]), name.lower()))
     return [(part, list(found)) for part, found in groupby(listed, parts.__getitem__)]
 
