@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+import ngcell
 from tests.docs.pages import FENCE, Page
 from tools.places import DOCS
 
@@ -53,3 +54,17 @@ def test_the_first_page_starts_as_the_tutorial_does() -> None:
     (first,) = FENCE.finditer((DOCS / "index.md").read_text())
     tutorial = [line for block in FENCE.finditer((DOCS / "tutorial.md").read_text()) for line in block[2].splitlines()]
     assert set(first[2].splitlines()) <= set(tutorial)
+
+
+@pytest.mark.parametrize(
+    ("width", "told"),
+    [(0.9, "overlap by"), (1.02, "have a gap of"), (1.0, "closes its lumen, or one side of it")],
+    ids=["overlap", "gap", "wall"],
+)
+def test_a_tissue_is_refused_in_the_words_of_the_page(width: float, told: str, tmp_path: Path) -> None:
+    lefts = (0.0, width)
+    rings = (f"{x} 0, {x + 1} 0, {x + 1} 1, {x} 1, {x} 0" for x in lefts)
+    (tmp_path / "cells.wkt").write_text("\n".join(f"POLYGON (({ring}))" for ring in rings))
+    with pytest.raises(ValueError, match=told):
+        ngcell.Polygons(file=str(tmp_path / "cells.wkt"), wall=0.6 if width == 1 else 0.1)
+    assert all(part in (DOCS / "how-to" / "own-polygons.md").read_text() for part in told.split(" its lumen, or "))
