@@ -47,7 +47,7 @@ def test_the_tutorial_prints_what_it_says(tmp_path: Path) -> None:
 def test_no_page_has_a_case_or_a_script_that_no_test_takes() -> None:
     pages = sorted(set(DOCS.rglob("*.md")) - {*HOW_TO, DOCS / "tutorial.md"})
     blocks = {page.stem: [block[1] for block in FENCE.finditer(page.read_text())] for page in pages}
-    tested = {page: [language for language in found if language in {"toml", "python"}] for page, found in blocks.items()}
+    tested = {page: [name for name in found if name in {"toml", "python"}] for page, found in blocks.items()}
     assert {page: languages for page, languages in tested.items() if languages} == ELSEWHERE
 
 

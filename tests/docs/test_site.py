@@ -5,15 +5,16 @@ from __future__ import annotations
 import contextlib
 import io
 import re
-import sys
 import warnings
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
 import ngcell
 from ngcell.scene import schema
-from tools.docs import gallery, notebooks, reference
+from tools.docs import commands, extra, gallery, notebooks, reference
 from tools.docs.case_reference import case_reference, meanings
 from tools.docs.site import prepare, sphinx
 from tools.docs.sources import as_source
@@ -131,7 +132,10 @@ def test_a_path_of_a_machine_is_found() -> None:
     assert notebooks.foreign({"text": "in /home/me/x.py"}) == ["/home/me/x.py"]
 
 
-def test_a_missing_extra_is_told_in_a_line(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setitem(sys.modules, "sphinx.cmd.build", None)
-    with pytest.raises(ngcell.DependencyError, match=r"ngcell\[docs\]|\.\[docs\]"):
-        sphinx(tmp_path, tmp_path, tmp_path)
+@pytest.mark.parametrize(("name", "module"), [("site", "furo"), ("notebooks", "nbclient"), ("release", "hatchling")])
+def test_a_missing_extra_is_told_in_a_line(name: str, module: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    known = find_spec
+    monkeypatch.setattr(extra, "find_spec", lambda asked: None if asked == module else known(asked))
+    answer = CliRunner().invoke(commands, [name])
+    assert answer.exit_code == 1
+    assert re.fullmatch(rf'Error: {module} missing: pip install "\.\[\w+\]"\n', answer.output)

@@ -14,8 +14,8 @@ from typing import Any
 
 import click
 
-from ngcell.errors import DependencyError
 from tools.commands import described
+from tools.docs.extra import check_extra
 from tools.places import DOCS, ROOT
 
 NOTEBOOKS = sorted((DOCS / "notebooks").glob("*.ipynb"))
@@ -33,10 +33,8 @@ def write_pages(folder: Path) -> None:
 
 def read(file: Path) -> Any:
     """Return a notebook."""
-    try:
-        import nbformat
-    except ImportError as error:
-        raise DependencyError('notebooks take nbformat: pip install ".[docs]"') from error
+    import nbformat
+
     return nbformat.read(file, as_version=4)  # type: ignore[no-untyped-call]
 
 
@@ -63,6 +61,7 @@ def executed(notebook: Any, setting: str | None = None) -> Any:
 
 @described(__doc__)
 def command() -> None:
+    check_extra("docs", "nbformat", "nbclient", "ipykernel")
     import nbformat
 
     for file in NOTEBOOKS:

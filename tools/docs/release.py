@@ -9,14 +9,13 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import click
 
-from ngcell.errors import DependencyError
 from tools.commands import described
+from tools.docs.extra import check_extra
 from tools.places import ROOT
 
 #: What is run outside the repository, in seconds.
@@ -29,9 +28,7 @@ TRIED = (
 
 def built(out: Path) -> tuple[Path, Path]:
     """Build a source distribution and from it a wheel into an empty folder; return both."""
-    for module in ("build", "hatchling"):
-        if find_spec(module) is None:
-            raise DependencyError(f'a release takes {module}: pip install ".[test]"')
+    check_extra("test", "build", "hatchling")
     _run([sys.executable, "-m", "build", "--no-isolation", "--outdir", str(out), str(ROOT)], ROOT)
     (source,), (wheel,) = out.glob("*.tar.gz"), out.glob("*.whl")
     return source, wheel

@@ -12,10 +12,10 @@ from pathlib import Path
 
 import click
 
-from ngcell.errors import DependencyError
 from tools.commands import described
 from tools.docs import gallery, notebooks, reference
 from tools.docs.case_reference import case_reference
+from tools.docs.extra import check_extra
 from tools.docs.sources import copy_pages
 from tools.places import ROOT
 
@@ -46,10 +46,8 @@ def prepare(source: Path, *, pictures: Path, run_gallery: bool = True) -> None:
 
 def sphinx(source: Path, out: Path, doctrees: Path) -> int:
     """Run Sphinx over prepared pages, with warnings as errors, and return its exit code."""
-    try:
-        from sphinx.cmd.build import main
-    except ImportError as error:
-        raise DependencyError('the site takes Sphinx: pip install ".[docs]"') from error
+    from sphinx.cmd.build import main
+
     told = ["-b", "html", "-n", "-W", "--keep-going", "-q", "-d", str(doctrees)]
     return main([*told, str(source), str(out)])
 
@@ -58,6 +56,7 @@ def sphinx(source: Path, out: Path, doctrees: Path) -> int:
 @click.option("--out", type=click.Path(path_type=Path), default=ROOT / "build" / "site", help="Folder of the site.")
 @click.option("--no-gallery", is_flag=True, help="Show the scripts of the gallery without running them.")
 def command(out: Path, no_gallery: bool) -> None:
+    check_extra("docs", "sphinx", "myst_parser", "furo", "sphinx_click", "sphinx_copybutton", "nbformat")
     source = WORK / "source"
     prepare(source, pictures=WORK / "gallery", run_gallery=not no_gallery)
     code = sphinx(source, out, WORK / "doctrees")
