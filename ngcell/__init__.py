@@ -62,7 +62,7 @@ if TYPE_CHECKING:
     from ngcell.solve.strategies.sddp import Sddp
     from ngcell.solve.strategies.single_step import SingleStep
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 #: Where each name is; all are loaded on first use, so that `import ngcell` and `ngcell --help` stay free of NGSolve's
 #: seconds.

@@ -8,6 +8,8 @@ from typing import Any
 
 import click
 
+from ngcell.errors import NgcellError
+
 _SETTINGS = {"help_option_names": ["-h", "--help"], "terminal_width": 120}
 
 
@@ -30,6 +32,12 @@ class Commands(click.Group):
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return self._names
+
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            return super().invoke(ctx)
+        except NgcellError as error:
+            raise click.ClickException(str(error)) from error
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in self._names:

@@ -16,8 +16,8 @@ LONGEST = 120
 
 
 def prose(text: str) -> str:
-    """Return a document without its blocks of code."""
-    return re.sub(r"^```.*?^```", "", text, flags=re.DOTALL | re.MULTILINE)
+    """Return a document without its blocks of code, and without what only the site shows."""
+    return re.sub(r"^```.*?^```|<!--.*?-->", "", text, flags=re.DOTALL | re.MULTILINE)
 
 
 def links(text: str) -> Iterator[tuple[str, str]]:
@@ -62,8 +62,17 @@ def test_a_broken_link_is_found(link: str) -> None:
     assert len(broken(README, f"# A\n\n[words]({link}) and [others](#a)")) == 1
 
 
-def test_every_page_is_linked_from_the_readme() -> None:
-    assert linked(README) >= {ROOT / "CONTRIBUTING.md", *PAGES}
+def test_every_page_is_found_from_the_readme() -> None:
+    found, waiting = {README}, [README]
+    while waiting:
+        new = {path for path in linked(waiting.pop()) if path.suffix == ".md"} - found
+        found |= new
+        waiting += new
+    assert found >= {ROOT / "CONTRIBUTING.md", *PAGES}
+
+
+def test_the_first_page_lists_every_other() -> None:
+    assert linked(ROOT / "docs" / "index.md") >= set(PAGES) - {ROOT / "docs" / "index.md"}
 
 
 def test_every_picture_and_example_is_in_a_page() -> None:

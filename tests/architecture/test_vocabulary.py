@@ -58,6 +58,7 @@ INSTEAD = {
 EXCEPTIONS = {
     r"(ast|os|path) walk": "functions of the standard library that visit a tree",
     r"bbox to anchor": "an argument of matplotlib",
+    r"myst heading anchors": "a setting of MyST",
     r"in space (bodies|scalar|vector|free|elements?)": "Python's `in` before the parts of an object called `space`",
     r"edges of the face or": "a planar face of `netgen.occ` has edges",
     r"np roll shift|shift [01](?= axis)": "an argument of numpy",

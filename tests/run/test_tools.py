@@ -13,14 +13,14 @@ from click.testing import CliRunner
 
 import ngcell
 from ngcell.scene import resolved_toml
-from tools import extreme, references, studies
+from tools import docs, extreme, references, studies
 from tools.studies import constants, numbers
 from tools.studies.iterations import ITERATIONS, iterated
 from tools.studies.timed import Stopwatch, Timed
 
 NARROWEST = "solver.continuation.narrowest"
 TOOLS = Path(extreme.__file__).parents[1]
-GROUPS = {group.__name__: group.commands for group in (references, studies, extreme)}
+GROUPS = {group.__name__: group.commands for group in (references, studies, extreme, docs)}
 EACH = [(package, name) for package, group in GROUPS.items() for name in group.list_commands(Context(group))]
 
 
