@@ -1,0 +1,123 @@
+"""What a report reads of a result folder: whatever is there, and one line for each thing that is not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeVar
+
+from ngcell.errors import OutputError
+from ngcell.export import count_snapshots, read_records, read_snapshot, read_summary
+from ngcell.results.record import CellRecord, StepRecord, WallRecord
+from ngcell.results.snapshot import Snapshot
+
+Record = TypeVar("Record")
+
+#: Pictures that a run leaves, with the text that stands for each where it is not seen.
+PICTURES = {
+    "tissue.png": "The deformed tissue at the last level, coloured by X displacement",
+    "gap.png": "Largest gap, mean gap and number of parted wall pairs over the load",
+    "debonding.png": "Where and when walls opened, and connected components of cells over the load",
+    "spread.png": "How far the numbers of the members scatter over the load",
+}
+
+
+@dataclass(eq=False)
+class RunFolder:
+    """A run as its folder tells it.
+
+    Attributes
+    ----------
+    path : Path
+        The folder.
+    name : str
+        What the report calls the run.
+    summary : mapping of str to Any
+        What `summary.json` holds.
+    history, walls, cells : list
+        Rows of the three tables; empty where a table cannot be read.
+    case_text : str
+        The resolved case; empty where it is missing.
+    missing : list of str
+        One line for each thing that cannot be read.
+    """
+
+    path: Path
+    name: str
+    summary: Mapping[str, Any]
+    history: list[StepRecord] = field(default_factory=list)
+    walls: list[WallRecord] = field(default_factory=list)
+    cells: list[CellRecord] = field(default_factory=list)
+    case_text: str = ""
+    missing: list[str] = field(default_factory=list)
+
+    @property
+    def certified(self) -> bool:
+        """Whether the run ended, passed every check and met every expected number."""
+        return bool(self.summary.get("certified"))
+
+    @property
+    def title(self) -> str:
+        """Heading of the run."""
+        return str(self.summary.get("title") or self.path.resolve().name)
+
+    @property
+    def pictures(self) -> dict[str, bytes]:
+        """Pictures that the run left, by name of their files."""
+        return {name: file.read_bytes() for name in PICTURES if (file := self.path / name).is_file()}
+
+    @property
+    def snapshot_count(self) -> int:
+        """Number of snapshots that the folder lists."""
+        return count_snapshots(self.path)
+
+    def snapshots(self) -> Iterator[tuple[Snapshot, bool]]:
+        """Yield each snapshot that can be read, and whether its step is certified; note those that cannot."""
+        for number in range(self.snapshot_count):
+            try:
+                yield read_snapshot(self.path, number)
+            except OutputError as error:
+                self.missing.append(str(error))
+
+
+def read_run(path: Path, name: str = "") -> RunFolder:
+    """Read the folder of a run.
+
+    Parameters
+    ----------
+    path : Path
+        The folder.
+    name : str
+        What the report calls the run; by default the name of the folder.
+
+    Raises
+    ------
+    OutputError
+        If it has no summary: it is not the result of a run.
+    """
+    run = RunFolder(path, name or path.resolve().name, read_summary(path))
+    run.history = _rows(run, "history.csv", StepRecord)
+    run.walls = _rows(run, "walls.csv", WallRecord)
+    run.cells = _rows(run, "cells.csv", CellRecord)
+    try:
+        run.case_text = (path / "case.toml").read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError):
+        run.case_text = str(run.summary.get("case") or "")
+        if not run.case_text:
+            run.missing.append("case.toml cannot be read: the case is not shown")
+    if not run.snapshot_count:
+        run.missing.append("tissue.pvd is missing or lists no snapshot: the deformed tissue is not shown")
+    return run
+
+
+def _rows(run: RunFolder, name: str, record_type: type[Record]) -> list[Record]:
+    file = run.path / name
+    if not file.exists() or not file.stat().st_size:
+        run.missing.append(f"{name} is missing or empty: its numbers are not shown")
+        return []
+    try:
+        return read_records(file, record_type)
+    except OutputError as error:
+        run.missing.append(str(error))
+        return []
