@@ -14,6 +14,7 @@ from math import hypot, nan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ngcell.export.curves import load_axis, released_steps
 from ngcell.export.picture import INK, SOFT_INK, style_axes
@@ -77,9 +78,7 @@ class Figure:
     described: str
 
 
-def figures_of(
-    runs: Mapping[str, Sequence[StepRecord]], certified: Mapping[str, bool], *, key: str
-) -> list[Figure]:
+def figures_of(runs: Mapping[str, Sequence[StepRecord]], certified: Mapping[str, bool], *, key: str) -> list[Figure]:
     """Draw the curves of one run, or of several in the same axes; figures without any number are left out.
 
     Parameters
@@ -125,26 +124,43 @@ def _figure(
     return Figure(title, svg, "; ".join(drawn) if len(drawn) <= _NAMED else f"{len(drawn)} curves")
 
 
-def _curve(
-    axes: Axes, rows: Sequence[StepRecord], quantity: Quantity, label: str, number: int, *, thin: bool
-) -> str:
+def _curve(axes: Axes, rows: Sequence[StepRecord], quantity: Quantity, label: str, number: int, *, thin: bool) -> str:
     """Draw a curve with the band of its error, cross out what is not certified, and describe it."""
     load, axis = load_axis(rows)
     values, errors = np.array([quantity.value(row) for row in rows]), np.array([quantity.error(row) for row in rows])
     colour = _COLOURS[number % len(_COLOURS)]
-    axes.plot(
-        load, values, color=colour, linestyle=_DASHES[number % len(_DASHES)], linewidth=0.8 if thin else 1.7,
-        marker=_MARKERS[number % len(_MARKERS)], markersize=2.5 if thin else 4.5, label=label,
-    )  # fmt: skip
     known = np.isfinite(errors)
     if known.any():
         below, above = np.where(known, values - errors, np.nan), np.where(known, values + errors, np.nan)
         axes.fill_between(load, below, above, color=colour, alpha=0.22, linewidth=0)
-        axes.errorbar(load, values, yerr=np.where(known, errors, 0), fmt="none", ecolor=colour, elinewidth=0.8, capsize=2.5)
-    failed = np.array([not row.certified for row in rows])
-    axes.plot(load[failed], values[failed], "x", color=_ALARM, markersize=9, markeredgewidth=1.8)
-    refused = f", {int(failed.sum())} of them not certified" if failed.any() else ""
-    return f"{label}: {values[0]:.3g} to {values[-1]:.3g} over {axis} {load[0]:.3g} to {load[-1]:.3g}, {len(rows)} levels{refused}"
+        bars = np.where(known, errors, 0)
+        axes.errorbar(load, values, yerr=bars, fmt="none", ecolor=colour, elinewidth=0.8, capsize=2.5)
+    failed = [not row.certified for row in rows]
+    draw_points(axes, load, values, failed, label=label, number=number, thin=thin)
+    refused = f", {sum(failed)} of them not certified" if any(failed) else ""
+    ends = f"{values[0]:.3g} to {values[-1]:.3g} over {axis} {load[0]:.3g} to {load[-1]:.3g}"
+    return f"{label}: {ends}, {len(rows)} levels{refused}"
+
+
+def draw_points(
+    axes: Axes,
+    load: ArrayLike,
+    values: ArrayLike,
+    failed: Sequence[bool],
+    *,
+    label: str,
+    number: int,
+    thin: bool = False,
+    joined: bool = True,
+) -> None:
+    """Draw points, joined by a line of their own colour, dashes and marker, and cross out those that failed."""
+    x, y, crossed = np.asarray(load), np.asarray(values), np.asarray(failed, dtype=bool)
+    axes.plot(
+        x, y, color=_COLOURS[number % len(_COLOURS)], linewidth=0.8 if thin else 1.7,
+        linestyle=_DASHES[number % len(_DASHES)] if joined else "none",
+        marker=_MARKERS[number % len(_MARKERS)], markersize=2.5 if thin else 4.5, label=label,
+    )  # fmt: skip
+    axes.plot(x[crossed], y[crossed], "x", color=_ALARM, markersize=9, markeredgewidth=1.8)
 
 
 def svg_of(draw: Callable[[Axes], None], *, label: str, refused: bool) -> str:

@@ -1,17 +1,16 @@
-"""What a page tells of several runs together: side by side, members of a case, or a sweep."""
+"""What a page tells of several runs together: side by side, or as members of a case."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from ngcell.export.curves import released_steps
 from ngcell.report.charts import Figure, figures_of
-from ngcell.report.rows import Cell, Column, Row, Table, cell_of
-from ngcell.report.run_folder import RunFolder
+from ngcell.report.rows import Cell, Row, Table, cell_of, columns_of, value_of
+from ngcell.report.run_folder import RunFolder, case_table
 from ngcell.report.sources import Source
-from ngcell.report.view import Picture, Verdict, _parsed, asked, pictures_of
+from ngcell.report.view import Picture, Verdict, asked, pictures_of
 from ngcell.results.verdict import came_apart, headline, last_numbers, with_error
 
 
@@ -38,6 +37,7 @@ def comparison(runs: Sequence[RunFolder]) -> Part:
         key="comparison",
         title="Side by side",
         refused=not all(certified.values()),
+        verdict=Verdict(all(certified.values()), [f"{sum(certified.values())} of {len(runs)} results are certified."]),
         tables=[_verdicts(names), *_differences(names)],
         figures=figures_of(histories, certified, key="comparison"),
     )
@@ -70,7 +70,7 @@ def _verdicts(runs: Mapping[str, RunFolder]) -> Table:
         place = cell_of(last.get("plate_displacement"))
         rows.append(Row([Cell(name, None, "text"), verdict, place, *values, apart], refused=not run.certified))
     headings = ["run", "verdict", "plate displacement", *(key.replace("_", " ") for key in told), "what came apart"]
-    columns = [Column(title, title in ("run", "verdict", "what came apart")) for title in headings]
+    columns = columns_of(headings, ("run", "verdict", "what came apart"))
     return Table("comparison-numbers", "Verdicts and numbers of the last level", columns, rows)
 
 
@@ -80,14 +80,14 @@ def _told(value: float, error: float | None) -> Cell:
 
 def _differences(runs: Mapping[str, RunFolder]) -> list[Table]:
     """Return what cases say differently; no table where they say the same."""
-    said = {name: dict(asked(_parsed(run.case_text))) for name, run in runs.items()}
+    said = {name: dict(asked(case_table(run.case_text))) for name, run in runs.items()}
     keys = list(dict.fromkeys(key for table in said.values() for key in table))
     different = [key for key in keys if len({table.get(key) for table in said.values()}) > 1]
     rows = [
         Row([Cell(key, None, "text"), *(Cell(table.get(key, "–"), None, "long text") for table in said.values())])
         for key in different
     ]
-    columns = [Column("section", True), *(Column(name, True) for name in said)]
+    columns = columns_of(headings := ["section", *said], headings)
     note = "What the cases say differently."
     return [Table("comparison-cases", "What was asked differently", columns, rows, note=note)] if rows else []
 
@@ -96,12 +96,12 @@ def members_part(source: Source, key: str) -> Part:
     """Return what members of a case have in common: how many are certified, their spread, and their curves."""
     histories = {run.name: released_steps(run.history) for run in source.runs}
     certified = {run.name: run.certified for run in source.runs}
-    counted = sum(certified.values())
-    lines = [f"{counted} of {source.summary.get('members', {}).get('count', len(certified))} members are certified."]
+    counted, asked_for = sum(certified.values()), source.summary.get("members", {}).get("count", len(certified))
+    lines = [f"{counted} of {asked_for} members are certified."]
     rows = source.rows
     last = [row for row in rows if row["level"] == rows[-1]["level"]]
-    spread = Table(f"{key}-spread", "Spread at the last level", _columns(_SPREAD, ("number", "remark")), [
-        Row([_value(row.get(name)) for name in _SPREAD]) for row in last
+    spread = Table(f"{key}-spread", "Spread at the last level", columns_of(_SPREAD, ("number", "remark")), [
+        Row([value_of(row.get(name)) for name in _SPREAD]) for row in last
     ])  # fmt: skip
     overall = RunFolder(source.path, source.path.name, {**source.summary, "certified": source.certified})
     return Part(
@@ -109,48 +109,16 @@ def members_part(source: Source, key: str) -> Part:
         title="Members",
         refused=not source.certified,
         verdict=Verdict(source.certified, [*lines, *source.unread, *_refused(source)]),
-        lines=["Numbers of the last level over the members that are certified; errors are those of the mesh."] * bool(last),
+        lines=[_OF_MEMBERS] if last else [],
         tables=[spread] if last else [],
         figures=figures_of(histories, certified, key=key),
         pictures=list(pictures_of(overall)),
     )
 
 
+_OF_MEMBERS = "Numbers of the last level over the members that are certified; errors are those of the mesh."
 _SPREAD = ("number", "members", "mean", "deviation", "smallest", "largest", "error", "known_to", "remark")
 
 
 def _refused(source: Source) -> list[str]:
     return [f"{run.name}: {headline(run.summary)}" for run in source.runs if not run.certified]
-
-
-def sweep_part(source: Source, key: str) -> Part:
-    """Return the table of a sweep."""
-    names = list(source.rows[0]) if source.rows else []
-    rows = [
-        Row([_value(row.get(name)) for name in names], refused=row.get("certified") != "True") for row in source.rows
-    ]
-    refused = sum(row.refused for row in rows)
-    line = f"{len(rows) - refused} of {len(rows)} rows, one for each run and level, are certified."
-    words = {name for name in names if any(_value(row.get(name)).value is None for row in source.rows)}
-    return Part(
-        key=key,
-        title="Sweep",
-        refused=not source.certified,
-        verdict=Verdict(source.certified, [line, *source.unread]),
-        tables=[Table(f"{key}-table", "Runs and levels", _columns(names, words), rows)] if rows else [],
-    )
-
-
-def _columns(names: Sequence[str], words: Any) -> list[Column]:
-    return [Column(name.replace("_", " "), name in words) for name in names]
-
-
-def _value(text: str | None) -> Cell:
-    """Return the cell of a text in a table: a number where it is one."""
-    if text in ("True", "False"):
-        return Cell("yes" if text == "True" else "NO", None, "text")
-    try:
-        value = float(text or "nan")
-        return cell_of(int(value) if value.is_integer() and "." not in (text or "") else value)
-    except ValueError:
-        return Cell(text or "", None, "text")

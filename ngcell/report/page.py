@@ -15,10 +15,11 @@ from typing import Any
 from ngcell import __version__
 from ngcell.errors import OutputError
 from ngcell.export.atomic import replace_file
-from ngcell.report.overall import Part, comparison, members_part, sweep_part
+from ngcell.report.overall import Part, comparison, members_part
 from ngcell.report.rows import number
 from ngcell.report.run_folder import RunFolder
 from ngcell.report.sources import Source, read_source
+from ngcell.report.sweep import sweep_part
 from ngcell.report.view import RunView, colour_table, view_of
 
 REPORT = "report.html"
@@ -81,6 +82,7 @@ def _page(sources: Sequence[Source], unread: Sequence[str]) -> tuple[str, list[s
     views = [view_of(run, f"run-{place}", budget) for place, run in enumerate(told)]
     remarks = [f"{view.name}: {line}" for view in views for line in view.missing]
     remarks += [f"{view.name}: {line}" for view in views if view.player for line in view.player.left_out]
+    drawn = [view for view in views if view.player]
     certified = not unread and all(source.certified for source in sources)
     page = _template().render(
         title=_title(sources),
@@ -89,6 +91,7 @@ def _page(sources: Sequence[Source], unread: Sequence[str]) -> tuple[str, list[s
         unread=unread,
         overall=overall,
         runs=views,
+        beside=drawn if len(drawn) > 1 else [],
         contents=_contents(overall, views),
         version=__version__,
         libraries=libraries(),
@@ -125,6 +128,7 @@ def _contents(overall: Sequence[Part], views: Sequence[RunView]) -> list[tuple[s
     """Return the parts of the page that its first lines link to."""
     found = [(part.key, part.title) for part in overall]
     if len(views) > 1 or overall:
+        found += [("beside", "Deformed")] if sum(view.player is not None for view in views) > 1 else []
         return found + [(view.key, view.name) for view in views]
     (view,) = views
     parts: list[tuple[str, str, Any]] = [

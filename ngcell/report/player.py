@@ -9,7 +9,7 @@ from __future__ import annotations
 import zlib
 from base64 import b64encode
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -100,11 +100,13 @@ def _level(snapshot: Snapshot, certified: bool, shapes: dict[str, tuple[Surface,
         surface = surface_of(snapshot.bulk)
         shapes[key] = surface, _drawn_shape(surface, snapshot)
     surface, _ = shapes[key]
-    fields = {
-        one.name: Field(one.name, one.title, one.where, one.values[surface.points] if one.where == BODIES else one.values)
-        for one in fields_of(snapshot)
-    }
+    fields = {one.name: _seen(one, surface) for one in fields_of(snapshot)}
     return _Level(snapshot, certified, fields, key, _moved(snapshot.bulk)[surface.points], _moved(snapshot.walls))
+
+
+def _seen(one: Field, surface: Surface) -> Field:
+    """Return a field at the points that are drawn; of walls all are."""
+    return replace(one, values=one.values[surface.points]) if one.where == BODIES else one
 
 
 def _drawn_shape(surface: Surface, snapshot: Snapshot) -> dict[str, Any]:

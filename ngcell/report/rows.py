@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from math import isfinite
 from typing import Any
@@ -75,7 +75,7 @@ def checks_table(key: str, summary: Mapping[str, Any]) -> list[Table]:
     """Return the checks of the certificate, those that failed first; no table where there are none."""
     checks = {name: one for name, one in (summary.get("certificate") or {}).items() if isinstance(one, Mapping)}
     meaning = summary.get("meaning_of_checks") or {}
-    columns = [Column("check", True), Column("verdict", True), Column("worst"), Column("limit"), Column("meaning", True)]
+    columns = columns_of(("check", "verdict", "worst", "limit", "meaning"), ("check", "verdict", "meaning"))
     rows = [
         Row(
             [
@@ -94,7 +94,7 @@ def checks_table(key: str, summary: Mapping[str, Any]) -> list[Table]:
 
 def expected_table(key: str, summary: Mapping[str, Any]) -> list[Table]:
     """Return measured beside expected numbers; no table where the case expects none."""
-    columns = [Column(title, title in ("quantity", "verdict", "origin")) for title in _EXPECTED]
+    columns = columns_of(_EXPECTED, ("quantity", "verdict", "origin"))
     rows = [
         Row(
             [
@@ -137,7 +137,7 @@ def records_table(key: str, title: str, records: Sequence[Any], *, refused: Iter
         for one in records
     ]
     levels = {str(one.step): _level_words(one, one.step in not_certified) for one in records}
-    columns = [Column(name.replace("_", " ")) for name in names]
+    columns = columns_of(names, ())
     return [Table(key, title, columns, rows, list(levels.items()), note)]
 
 
@@ -162,5 +162,21 @@ def levels_table(key: str, history: Sequence[Any]) -> list[Table]:
         place = [cell_of(one.load_factor), cell_of(one.plate_displacement), verdict]
         rows.append(Row([*place, *told, *counts], refused=not one.certified))
     names = ["load_factor", "plate_displacement", "verdict", *_OF_LEVELS, "plate_force", *_COUNTS]
-    columns = [Column(name.replace("_", " "), name == "verdict") for name in names]
+    columns = columns_of(names, ("verdict",))
     return [Table(f"{key}-levels", "Numbers of each level", columns, rows)] if rows else []
+
+
+def columns_of(names: Iterable[str], words: Container[str]) -> list[Column]:
+    """Return columns with these headings, and which of them hold words."""
+    return [Column(name.replace("_", " "), name in words) for name in names]
+
+
+def value_of(text: str | None) -> Cell:
+    """Return the cell of a text in a table: a number where it is one."""
+    if text in ("True", "False"):
+        return Cell("yes" if text == "True" else "NO", None, "text")
+    try:
+        value = float(text or "nan")
+    except ValueError:
+        return Cell((text or "").replace("_", " "), None, "text")
+    return cell_of(int(value) if isfinite(value) and "." not in (text or "") and value.is_integer() else value)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -60,7 +61,8 @@ class RunFolder:
     @property
     def title(self) -> str:
         """Heading of the run."""
-        return str(self.summary.get("title") or self.path.resolve().name)
+        said = self.summary.get("title") or case_table(self.case_text).get("title")
+        return str(said or self.path.resolve().name)
 
     @property
     def pictures(self) -> dict[str, bytes]:
@@ -108,7 +110,17 @@ def read_run(path: Path, name: str = "") -> RunFolder:
             run.missing.append("case.toml cannot be read: the case is not shown")
     if not run.snapshot_count:
         run.missing.append("tissue.pvd is missing or lists no snapshot: the deformed tissue is not shown")
+    if run.history and not run.summary.get("last_step"):
+        run.summary = {**run.summary, "last_step": asdict(run.history[-1])}
     return run
+
+
+def case_table(case_text: str) -> Mapping[str, Any]:
+    """Return what a case says; nothing where its text is that of a scene of a script, which does not read back."""
+    try:
+        return tomllib.loads(case_text)
+    except tomllib.TOMLDecodeError:
+        return {}
 
 
 def _rows(run: RunFolder, name: str, record_type: type[Record]) -> list[Record]:

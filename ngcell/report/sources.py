@@ -13,7 +13,7 @@ from ngcell.export.summary import MEMBERS, SUMMARY, read_summary
 from ngcell.report.run_folder import RunFolder, read_run
 
 #: The table of a sweep, one row for each run and level.
-SWEEP_TABLE = "table.csv"
+SWEEP_TABLE = "sweep.csv"
 
 
 @dataclass(eq=False)
@@ -79,9 +79,13 @@ def _members(path: Path, summary: Mapping[str, Any]) -> Source:
 
 
 def _sweep(path: Path) -> Source:
-    source = Source("sweep", path, f"Sweep {path.resolve().name}", certified=True)
+    source = Source("sweep", path, f"Sweep {path.resolve().name}", certified=False)
+    if (path / SUMMARY).is_file():
+        source.summary = read_summary(path)
+        source.title = str(source.summary.get("title") or source.title)
     source.rows = _table(path / SWEEP_TABLE, source.unread)
-    source.certified = bool(source.rows) and all(row.get("certified") == "True" for row in source.rows)
+    ended = source.summary.get("status", "finished") == "finished"
+    source.certified = ended and bool(source.rows) and all(row.get("certified") == "True" for row in source.rows)
     return source
 
 

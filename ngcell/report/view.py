@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import tomllib
 from base64 import b64encode
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -14,12 +14,12 @@ from ngcell.export.curves import released_steps
 from ngcell.report.charts import Figure, figures_of
 from ngcell.report.player import Player, player_of
 from ngcell.report.rows import Table, checks_table, expected_table, levels_table, number, records_table
-from ngcell.report.run_folder import PICTURES, RunFolder
+from ngcell.report.run_folder import PICTURES, RunFolder, case_table
 from ngcell.results.verdict import (
     FailedCheck,
     came_apart,
+    checks_not_passed,
     error_remark,
-    failed_checks,
     headline,
     is_finished,
     last_numbers,
@@ -104,9 +104,10 @@ def view_of(run: RunFolder, key: str, budget: int) -> RunView:
         Bytes that its deformed tissue may have.
     """
     player = player_of(run.snapshots(), budget)
+    player.data |= {"certified": run.certified} if player.data else {}
     refused = [row.step for row in run.history if not row.certified] if is_finished(run.summary) else []
     released = released_steps(run.history)
-    table = _parsed(run.case_text)
+    table = case_table(run.case_text)
     return RunView(
         key=key,
         name=run.name,
@@ -143,7 +144,7 @@ def verdict_of(summary: Mapping[str, Any]) -> Verdict:
         lines.append(remark[:1].upper() + remark[1:] + ".")
     elif summary.get("accuracy"):
         lines.append(f"Asked for a relative error of at most {summary['accuracy']:g}.")
-    return Verdict(bool(summary.get("certified")), lines, failed_checks(summary))
+    return Verdict(bool(summary.get("certified")), lines, checks_not_passed(summary))
 
 
 def told_numbers(summary: Mapping[str, Any]) -> list[Told]:
@@ -160,14 +161,16 @@ def _last_level(summary: Mapping[str, Any]) -> str:
     if not last:
         return ""
     moved = f"plate displacement {last['plate_displacement']:.4g}, " if last.get("plate_displacement") else ""
-    return f"At the last level ({moved}load factor {last['load_factor']:.4g}), with estimated errors:"
+    known = "" if error_remark(summary) else ", with estimated errors"
+    return f"At the last level ({moved}load factor {last['load_factor']:.4g}){known}:"
 
 
 def pictures_of(run: RunFolder) -> Iterator[Picture]:
     """Yield the pictures of a run."""
     for name, content in run.pictures.items():
         described = PICTURES[name] + ("" if run.certified else "; not certified")
-        yield Picture(_PICTURE_TITLES.get(name, "Spread of the members"), described, data_of(content), name == "debonding.png")
+        title = _PICTURE_TITLES.get(name, "Spread of the members")
+        yield Picture(title, described, data_of(content), wide=name == "debonding.png")
 
 
 def data_of(picture: bytes) -> str:
@@ -194,14 +197,7 @@ def _said(value: Any) -> str:
     if isinstance(value, list):
         words = ", ".join(map(_said, value[:12]))
         return f"({words}{', …' if len(value) > 12 else ''})"
-    return number(value)
-
-
-def _parsed(case_text: str) -> Mapping[str, Any]:
-    try:
-        return tomllib.loads(case_text)
-    except tomllib.TOMLDecodeError:
-        return {}  # a scene of a script says what it can, which is shown as text
+    return "infinite" if value == inf else number(value)
 
 
 def _effort(summary: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

@@ -29,7 +29,7 @@ ADVICE = {
     "energy_above_tied": "the walls found a worse state than the tied one: ask for more levels (load.levels)",
     "tension": "raise contact.stiffness, or refine the mesh (mesh.size)",
     "complementarity": "raise contact.stiffness, or refine the mesh (mesh.size)",
-    "estimated_error": "ask for less (a larger accuracy), or run where there is memory for a finer mesh",
+    "estimated_error": "ask for a larger accuracy, leave mesh.order and mesh.size out, or use more memory",
     "energy_balance": "ask for more levels (load.levels)",
 }
 
@@ -73,7 +73,7 @@ def _stop_words(summary: Summary, reason: object) -> str:
     return f"was stopped ({reason})" if reason else "was stopped"
 
 
-def failed_checks(summary: Summary) -> list[FailedCheck]:
+def checks_not_passed(summary: Summary) -> list[FailedCheck]:
     """Return the checks that failed, each with what to try."""
     return [
         FailedCheck(name, check.get("worst"), check.get("limit"), check.get("place", ""), ADVICE.get(name, ""))
@@ -109,7 +109,8 @@ def with_error(value: float, error: float | None) -> str:
     if error is None or not isfinite(error):
         return f"{value:.4g}"
     if abs(value) > error:
-        return f"{value:.4g} ± {100 * error / abs(value):.1g} %"
+        share = 100 * error / abs(value)
+        return f"{value:.4g} ± {share:.0f} %" if share >= 9.5 else f"{value:.4g} ± {share:.1g} %"
     return f"{value:.4g} ± {error:.1g}"
 
 
@@ -130,8 +131,8 @@ def came_apart(summary: Summary) -> str:
 
 
 def _onset(summary: Summary) -> Iterator[str]:
-    onset = summary.get("onset_of_growth")
-    if onset is not None:
+    onset, last = summary.get("onset_of_growth"), summary.get("last_step") or {}
+    if onset is not None and last.get("plate_displacement"):
         bound = "no later than " if summary.get("onset_is_a_bound") else ""
         yield f"gaps grow from {bound}plate displacement {onset:.3g}"
 

@@ -34,7 +34,7 @@ void main() {
   vec3 c = plain.a > 0.5 ? plain.rgb : share < -0.001 ? vec3(0.82) : texture(colours, vec2((t * 255.0 + 0.5) / 256.0, 0.5)).rgb;
   float k = t * 10.0, width = max(fwidth(k), 1e-6);
   if (contours && plain.a < 0.5 && t > 0.0 && t < 1.0)
-    c = mix(t > 0.55 ? vec3(0.0) : vec3(1.0), c, smoothstep(0.4, 1.1, abs(fract(k - 0.5) - 0.5) / width));
+    c = mix(t > 0.55 ? vec3(0.0) : vec3(1.0), c, max(smoothstep(0.4, 1.1, abs(fract(k - 0.5) - 0.5) / width), smoothstep(0.12, 0.3, width)));
   if (lit) c *= 0.5 + 0.5 * abs(normalize(cross(dFdx(at), dFdy(at))).z);
   colour = vec4(c, 1.0);
 }`;
@@ -228,9 +228,11 @@ class Player {
     const words = `level ${this.level + 1} of ${count}: ${place}load factor ${shown(level.load_factor)}${level.certified ? "" : " \u2013 NOT CERTIFIED"}`;
     part.told.textContent = words;
     part.level.setAttribute("aria-valuetext", words);
-    part.stamp.hidden = level.certified;
+    part.stamp.hidden = level.certified && this.data.certified;
+    part.stamp.textContent = level.certified ? "RUN NOT CERTIFIED" : "NOT CERTIFIED";
     part.back.disabled = this.level === 0;
     part.on.disabled = this.level === count - 1;
+    part.play.disabled = count === 1;
     const [low, high] = this.span(), value = share => field.smallest + share * (field.largest - field.smallest);
     part.from.textContent = `${low > 1e-6 ? "\u2264 " : ""}${shown(value(low))}`;
     part.middle.textContent = shown(value((low + high) / 2));
@@ -249,7 +251,7 @@ class Player {
   fit() {
     const { stage } = this.part, [low, high] = this.data.window, size = high.map((end, axis) => end - low[axis]);
     const solid = this.data.solid, radius = Math.hypot(...size) / 2 || 1;
-    const span = solid ? [1.75 * radius, 1.75 * radius] : [1.06 * size[0] || 1, 1.06 * size[1] || 1];
+    const span = solid ? [1.5 * radius, 1.5 * radius] : [1.06 * size[0] || 1, 1.06 * size[1] || 1];
     const wide = stage.clientWidth, tall = Math.round(Math.min(wide * Math.max(0.45, Math.min(1.1, solid ? 0.75 : span[1] / span[0])), 0.78 * Math.max(innerHeight, 480)));
     stage.style.height = `${tall}px`;
     stage.style.touchAction = solid || this.view.zoom > 1.01 ? "none" : "pan-y";
