@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ngcell.export.curves import load_axis, released_steps
-from ngcell.export.picture import INK, SOFT_INK, style_axes
+from ngcell.export.picture import INK, style_axes
 from ngcell.results.record import StepRecord
 
 if TYPE_CHECKING:
@@ -116,6 +116,8 @@ def _figure(
                 label = quantity.title if len(runs) == 1 else name
                 drawn.append(_curve(axes, rows, quantity, label, len(drawn), thin=many))
         axes.set_xlabel(" or ".join(dict.fromkeys(load_axis(rows)[1] for rows in runs.values())), fontsize=9, color=INK)
+        if axes.dataLim.x0 >= 0:
+            axes.set_xlim(left=0)
         if len(drawn) > 1 and not many:
             axes.legend(frameon=False, fontsize=8.5, labelcolor=INK, handlelength=3.2)
 
@@ -178,7 +180,7 @@ def svg_of(draw: Callable[[Axes], None], *, label: str, refused: bool) -> str:
         axes.set_axisbelow(True)
         draw(axes)
         _scale(axes)
-        axes.yaxis.get_offset_text().set(size=8.5, color=SOFT_INK)
+        axes.yaxis.get_offset_text().set(size=9, color=INK)
         if refused:
             axes.set_title("not certified", fontsize=10, color=_ALARM, fontweight="bold", loc="right")
         text = io.StringIO()
@@ -197,8 +199,6 @@ def _scale(axes: Axes) -> None:
     axes.ticklabel_format(axis="y", style="sci", scilimits=(-3, 4), useMathText=False)
     if np.nanmin(values) >= 0:
         axes.set_ylim(0, 1.05 * axes.get_ylim()[1])
-    if axes.get_xlim()[0] > 0 or axes.dataLim.x0 >= 0:
-        axes.set_xlim(left=0)
 
 
 def _inlined(svg: str, label: str) -> str:

@@ -26,6 +26,8 @@ class Part:
     tables: Sequence[Table] = ()
     figures: Sequence[Figure] = ()
     pictures: Sequence[Picture] = ()
+    asked: Sequence[tuple[str, str]] = ()
+    figures_first: bool = False
 
 
 def comparison(runs: Sequence[RunFolder]) -> Part:

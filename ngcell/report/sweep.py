@@ -10,7 +10,7 @@ from ngcell.report.charts import Figure, draw_points, svg_of
 from ngcell.report.overall import Part
 from ngcell.report.rows import Row, Table, columns_of, value_of
 from ngcell.report.sources import SWEEP_TABLE, Source
-from ngcell.report.view import Verdict
+from ngcell.report.view import Verdict, asked
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -40,6 +40,8 @@ def sweep_part(source: Source, key: str) -> Part:
         lines=["Each point is the last level of a run; a red cross marks one that is not certified."] if last else [],
         figures=list(_figures(last, axes_of(names), key)),
         tables=[_table(rows, last, names, key)] if rows else [],
+        asked=list(asked(source.summary.get("study") or {})),
+        figures_first=True,
     )
 
 

@@ -39,7 +39,11 @@ void main() {
   colour = vec4(c, 1.0);
 }`;
 
-const shown = value => Number.isFinite(value) ? String(Number(value.toPrecision(4))) : "none";
+/** Return a number in four digits. */
+function shown(value) {
+  if (!Number.isFinite(value)) return "none";
+  return value !== 0 && Math.abs(value) < 1e-3 ? value.toExponential(2) : String(Number(value.toPrecision(4)));
+}
 
 class Player {
   constructor(root) {
