@@ -13,7 +13,7 @@ from typing import Any
 Summary = Mapping[str, Any]
 
 #: Numbers of the last step that are told with their errors.
-_TOLD = ("energy", "plate_force", "contact_force", "mean_gap", "largest_gap")
+_TOLD = ("energy", "mean_gap", "largest_gap", "plate_force", "contact_force")
 #: What to do where a check fails, by its name.
 ADVICE = {
     "residual": "refine the mesh (mesh.size), or ask for smaller load steps (load.levels)",
