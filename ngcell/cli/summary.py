@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from shlex import quote
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 from ngcell.cli.pace import duration
@@ -12,6 +13,9 @@ from ngcell.results.verdict import came_apart, checks_not_passed, error_remark, 
 
 if TYPE_CHECKING:
     from ngcell.recording import Recording
+
+#: Length of a line.
+_WIDTH = 120
 
 
 def summary_lines(recording: Recording, folder: Path) -> Iterator[str]:
@@ -25,7 +29,7 @@ def summary_lines(recording: Recording, folder: Path) -> Iterator[str]:
     yield from number_lines(summary)
     apart = came_apart(summary)
     if apart:
-        yield f"came apart   {apart}"
+        yield from wrap(f"came apart   {apart}", _WIDTH, subsequent_indent=" " * 13, break_on_hyphens=False)
     yield from expected_lines(summary.get("expected", ()))
     yield from stiffer_lines(summary.get("stiffer_penalty", {}))
     seconds = (summary.get("seconds") or {}).get("on_the_clock")
@@ -40,7 +44,8 @@ def number_lines(summary: Mapping[str, Any]) -> Iterator[str]:
         return
     moved = f"plate displacement {last['plate_displacement']:.4g}, " if last["plate_displacement"] else ""
     remark = error_remark(summary) or "with estimated errors"
-    yield f"how sure     {moved}load factor {last['load_factor']:.4g}; {remark}"
+    refused = "" if summary.get("certified", True) else "NOT CERTIFIED; "
+    yield f"how sure     {refused}{moved}load factor {last['load_factor']:.4g}; {remark}"
     for name, (value, error) in last_numbers(summary).items():
         yield f"  {_words(name):13}  {with_error(value, error)}"
 

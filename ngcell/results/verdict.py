@@ -63,7 +63,9 @@ def headline(summary: Summary) -> str:
     failed = len(summary.get("failed_steps") or ())
     outcome = str(summary.get("outcome") or "no outcome is known")
     if failed:
-        return f"not certified: {failed} of {_count(steps, 'accepted step')} failed a check; {outcome}"
+        how = "converged, but " if outcome.startswith("converged") else ""
+        words = f"not certified: {how}{failed} of {_count(steps, 'accepted step')} failed a check"
+        return words if how else f"{words}; {outcome}"
     return f"not certified: {outcome}"
 
 

@@ -72,7 +72,8 @@ def test_uncertified_run_answers_4_and_says_so(fake_run: FakeRun, in_empty_folde
     answer = solve(CASE)
     assert answer.exit_code == 4
     verdict, failed, *_ = answer.stdout.splitlines()
-    assert verdict.startswith("certified    NO: 1 of 5 accepted steps failed a check")
+    assert verdict.startswith("certified    NO: converged, but 1 of 5 accepted steps failed a check")
+    assert "how sure     NOT CERTIFIED; " in answer.stdout
     assert failed.startswith("  residual 0.001, limit 1e-06; to try: refine the mesh")
     assert "not certified" in answer.stderr.splitlines()[0]
     assert answer.stderr.splitlines()[-1] == f"not certified; accepted steps kept in out/{CASE}: 5"
