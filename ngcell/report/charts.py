@@ -207,7 +207,7 @@ def _inlined(svg: str, label: str) -> str:
     body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
     used = set(re.findall(r'(?:url\(|href=")#([\w-]+)', body))
     own = re.sub(r"[^a-z0-9]", "-", label.lower())
-    body = re.sub(r' id="([\w-]+)"', lambda found: f' id="{own}-{found[1]}"' if found[1] in used else "", body)
+    body = re.sub(r' id="([^"]+)"', lambda found: f' id="{own}-{found[1]}"' if found[1] in used else "", body)
     body = re.sub(r'(url\(|href=")#([\w-]+)', rf"\g<1>#{own}-\g<2>", body)
     head, rest = body[: body.index(">")], body[body.index(">") :]
     return re.sub(r' (width|height)="[^"]*"', "", head) + rest

@@ -59,7 +59,7 @@ class Player:
     @property
     def size(self) -> int:
         """Length of its numbers in the page [byte]."""
-        return _length(self.data)
+        return _length(self.data.get("shapes", {})) + _length(self.data.get("levels", []))
 
 
 def player_of(snapshots: Iterable[tuple[Snapshot, bool]], budget: int) -> Player:
