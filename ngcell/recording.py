@@ -17,7 +17,6 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from ngcell import __version__
 from ngcell.build.additions import Additions
 from ngcell.build.checkpoint import Checkpoint
 from ngcell.build.penalty_error import check_has_penalty, stiffer_result
@@ -241,8 +240,9 @@ def file_told(case: AnyCase | BodyScene) -> str:
 
 def _versions() -> dict[str, str]:
     """Return the versions of what a result depends on."""
-    libraries = {name.lower(): metadata.version(name) for name in ("ngsolve", "numpy", "scipy")}
-    return {"ngcell": __version__, "Python": platform.python_version(), **libraries}
+    libraries = {name: metadata.version(name) for name in ("ngsolve", "numpy", "scipy")}
+    own = sys.modules["ngcell"].__version__  # an import of the table of contents, which offers this module, is a circle
+    return {"ngcell": own, "python": platform.python_version(), **libraries}
 
 
 def _seconds(clock: Clock, wall: float, processor: float) -> dict[str, Any]:

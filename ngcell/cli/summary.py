@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ngcell.recording import Recording
 
 #: Length of a line.
-_WIDTH = 120
+_WIDTH = 100
 
 
 def summary_lines(recording: Recording, folder: Path) -> Iterator[str]:

@@ -101,7 +101,8 @@ class FakeRecording:
             "bodies": 9,
             "facing_pairs": 16,
             "debonding": {"wall_pairs_opened": 7, "wall_pairs_parted": 4, "component_sizes": [8, 1]},
-            "held_by_nothing": [5],
+            "held_by_nothing": [5, 7],
+            "onset_of_growth": 0.2,
             "last_step": asdict(replace(record, energy_error=0.003)),
             "seconds": {"on_the_clock": 150.0},
         }

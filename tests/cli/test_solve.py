@@ -41,7 +41,8 @@ def test_certified_run_answers_0_and_says_first_what_matters(fake_run: FakeRun, 
         "  largest gap    0.04",
         "  plate force    0.1",
         "  contact force  0.2",
-        "came apart   7 of 16 wall pairs opened and 4 parted; 9 cells in 2 connected components; 1 cell held by nothing",
+        "came apart   7 of 16 wall pairs opened and 4 parted; 9 cells in 2 connected components; 2 cells held",
+        "             by nothing; gaps grow from plate displacement 0.2",
         f"results      out/{CASE}, after 2.5 min; on one page: ngcell report out/{CASE}",
     ]
     assert len(history(in_empty_folder / "out" / CASE)) == 5
