@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from ngcell.cli.arguments import set_option
+from ngcell.cli.arguments import optional_case_argument, set_option
 from ngcell.cli.members import holds_members, members_lines
 from ngcell.cli.pace import Pace
 from ngcell.cli.progress import silent_progress, step_progress
@@ -35,7 +35,7 @@ def _finite(ctx: click.Context, parameter: click.Parameter, value: float | None)
 
 
 @click.command()
-@click.argument("case", required=False)
+@optional_case_argument
 @set_option
 @click.option("--out", type=click.Path(path_type=Path), help="Result folder; default out/<case name>.")
 @click.option(
