@@ -27,7 +27,7 @@ def _case_names(ctx: click.Context, parameter: click.Parameter, incomplete: str)
     from ngcell.scene.catalogue import shipped_cases
 
     names = [CompletionItem(name) for name in shipped_cases() if name.startswith(incomplete)]
-    return [*names, CompletionItem(incomplete, type="file")]
+    return [CompletionItem(incomplete, type="file"), *names]  # bash forgets what stands before a file
 
 
 case_argument = click.argument("case", shell_complete=_case_names)
