@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 from ngcell.export.curves import released_steps
 from ngcell.report.charts import Figure, figures_of
+from ngcell.report.pictures import Picture, pictures_of
 from ngcell.report.rows import Cell, Row, Table, cell_of, columns_of, value_of
 from ngcell.report.run_folder import RunFolder, case_table
 from ngcell.report.sources import Source
-from ngcell.report.view import Picture, Verdict, asked, pictures_of
+from ngcell.report.view import Verdict, asked
 from ngcell.results.verdict import came_apart, headline, last_numbers, with_error
 
 

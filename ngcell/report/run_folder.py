@@ -15,14 +15,6 @@ from ngcell.results.snapshot import Snapshot
 
 Record = TypeVar("Record")
 
-#: Pictures that a run leaves, with the text that stands for each where it is not seen.
-PICTURES = {
-    "tissue.png": "The deformed tissue at the last level, coloured by X displacement",
-    "gap.png": "Largest gap, mean gap and number of parted wall pairs over the load",
-    "debonding.png": "Where and when walls opened, and connected components of cells over the load",
-    "spread.png": "How far the numbers of the members scatter over the load",
-}
-
 
 @dataclass(eq=False)
 class RunFolder:
@@ -63,11 +55,6 @@ class RunFolder:
         """Heading of the run."""
         said = self.summary.get("title") or case_table(self.case_text).get("title")
         return str(said or self.path.resolve().name)
-
-    @property
-    def pictures(self) -> dict[str, bytes]:
-        """Pictures that the run left, by name of their files."""
-        return {name: file.read_bytes() for name in PICTURES if (file := self.path / name).is_file()}
 
     @property
     def snapshot_count(self) -> int:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from base64 import b64encode
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf
@@ -12,9 +11,10 @@ import numpy as np
 
 from ngcell.export.curves import released_steps
 from ngcell.report.charts import Figure, figures_of
+from ngcell.report.pictures import Picture, pictures_of
 from ngcell.report.player import Player, player_of
 from ngcell.report.rows import Table, checks_table, expected_table, levels_table, number, records_table
-from ngcell.report.run_folder import PICTURES, RunFolder, case_table
+from ngcell.report.run_folder import RunFolder, case_table
 from ngcell.results.verdict import (
     FailedCheck,
     came_apart,
@@ -31,7 +31,6 @@ _HINT_PLANE = (
     "the arrow keys; the pointer reads values."
 )
 _HINT_SOLID = "Rotate by dragging or with the arrow keys, zoom with the buttons or + and -; the pointer reads values."
-_PICTURE_TITLES = {"tissue.png": "The tissue at the last level", "gap.png": "Gaps", "debonding.png": "Debonding"}
 
 
 @dataclass(frozen=True)
@@ -50,16 +49,6 @@ class Told:
     title: str
     value: str
     error: str
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A picture inside the page."""
-
-    title: str
-    described: str
-    source: str
-    wide: bool = False
 
 
 @dataclass
@@ -163,19 +152,6 @@ def _last_level(summary: Mapping[str, Any]) -> str:
     moved = f"plate displacement {last['plate_displacement']:.4g}, " if last.get("plate_displacement") else ""
     known = "" if error_remark(summary) else ", with estimated errors"
     return f"At the last level ({moved}load factor {last['load_factor']:.4g}){known}:"
-
-
-def pictures_of(run: RunFolder) -> Iterator[Picture]:
-    """Yield the pictures of a run."""
-    for name, content in run.pictures.items():
-        described = PICTURES[name] + ("" if run.certified else "; not certified")
-        title = _PICTURE_TITLES.get(name, "Spread of the members")
-        yield Picture(title, described, data_of(content), wide=name == "debonding.png")
-
-
-def data_of(picture: bytes) -> str:
-    """Return a picture as a page holds it."""
-    return f"data:image/png;base64,{b64encode(picture).decode()}"
 
 
 def asked(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
