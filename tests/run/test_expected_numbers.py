@@ -26,7 +26,7 @@ FILES = {"case.toml", "history.csv", "walls.csv", "tissue.pvd", "summary.json", 
 def test_case_meets_its_expected_numbers(name: str, tmp_path: Path) -> None:
     answer = CliRunner().invoke(ngcell, ["solve", name, "--out", str(tmp_path / name), "--quiet", *PLAIN])
     assert answer.exit_code == 0, answer.output
-    assert "expected     met" in answer.stdout.splitlines()
+    assert "\nexpected     met: " in answer.stdout
     assert FILES <= {file.name for file in (tmp_path / name).iterdir()}
     summary = json.loads((tmp_path / name / "summary.json").read_text())
     wanted = read_case(name).expected
