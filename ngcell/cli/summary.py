@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from math import isfinite
 from pathlib import Path
 from shlex import quote
 from textwrap import wrap
@@ -25,7 +26,8 @@ def summary_lines(recording: Recording, folder: Path) -> Iterator[str]:
     for check in checks_not_passed(summary):
         where = f" in {check.place}" if check.place else ""
         advice = f"; to try: {check.advice}" if check.advice else ""
-        yield f"  {_words(check.name)} {_shown(check.worst)}, limit {_shown(check.limit)}{where}{advice}"
+        worst = "is no number" if check.worst is None or not isfinite(check.worst) else _shown(check.worst)
+        yield f"  {_words(check.name)} {worst}, limit {_shown(check.limit)}{where}{advice}"
     yield from number_lines(summary)
     apart = came_apart(summary)
     if apart:

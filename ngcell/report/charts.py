@@ -196,6 +196,7 @@ def _scale(axes: Axes) -> None:
     values = np.concatenate([np.asarray(line.get_ydata(), dtype=float) for line in axes.lines])
     whole = bool(np.all(values[np.isfinite(values)] % 1 == 0))
     axes.yaxis.set_major_locator(MaxNLocator(nbins=6, integer=whole))
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=7))
     axes.ticklabel_format(axis="y", style="sci", scilimits=(-3, 4), useMathText=False)
     if np.nanmin(values) >= 0:
         axes.set_ylim(0, 1.05 * axes.get_ylim()[1])

@@ -68,6 +68,8 @@ def cell_of(value: object, kind: str = "") -> Cell:
     """Return the cell of a value: one that is sorted by its number if it has one."""
     if isinstance(value, (int, float)):
         return Cell(number(value), float(f"{value:.9g}") if isfinite(value) else None, kind)
+    if value is None:
+        return Cell(number(value), None, kind)
     return Cell(number(value), None, kind or "text")
 
 

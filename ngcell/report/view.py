@@ -158,7 +158,7 @@ def asked(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Yield each section of a case and what it says."""
     plain = {key: value for key, value in table.items() if not isinstance(value, (Mapping, list))}
     for key, value in plain.items():
-        if key not in ("title", "source"):
+        if key not in ("title", "source") and value is not None:
             yield key, _said(value)
     for key, value in table.items():
         if isinstance(value, Mapping) and value:

@@ -365,7 +365,7 @@ class Player {
         brush.lineTo(u, v);
       }
       brush.strokeStyle = dashed ? "#a3001b" : "#22272c";
-      brush.lineWidth = dashed ? 1.6 : 0.8;
+      brush.lineWidth = Math.max(0.5, Math.min(dashed ? 1.6 : 0.8, 0.035 * this.fitted.pixels));
       brush.stroke();
     }
   }
