@@ -49,18 +49,23 @@ class Pace:
         count = len(self._times)
         mean = sum(self._times) / count
         if self._members > 1 or count < 2:
-            return mean * ahead
+            return max(0.0, mean * ahead - self._seconds)
         middle = (count - 1) / 2
         squares = sum((n - middle) ** 2 for n in range(count))
         slope = sum((n - middle) * time for n, time in enumerate(self._times)) / squares
         expected = (mean + slope * (count + n - middle) for n in range(ahead))
-        return sum(max(time, min(self._times)) for time in expected)
+        return max(0.0, sum(max(time, min(self._times)) for time in expected) - self._seconds)
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether the last level has been reached."""
+        return self._ended == len(self._factors) > 0
 
     def __str__(self) -> str:
         total = len(self._factors)
         if not total:
             return ""
-        here, left = f"level {self._ended} of {total}", self.seconds_left
+        here, left = f"{self._ended} of {total} levels", self.seconds_left
         if left is None or not left:
             return here
         few = len(self._times) < 2

@@ -42,7 +42,8 @@ def step_progress() -> Iterator[ShowStep]:
         def show(record: StepRecord, pace: Pace | None = None, of: str = "") -> None:
             console.print(of + step_line(record), markup=False, soft_wrap=True)
             far = f"{pace}; " if str(pace or "") else ""
-            status.update(f"{of}{far}solving beyond load {record.load_factor:.4f} (Ctrl-C stops and keeps the steps)")
+            doing = "drawing pictures" if pace and pace.has_ended else f"solving beyond load {record.load_factor:.4f}"
+            status.update(f"{of}{far}{doing} (Ctrl-C stops and keeps the steps)")
 
         yield show
 

@@ -25,11 +25,11 @@ def after(times: Sequence[float], levels: int, members: int = 1) -> Pace:
 def test_nothing_is_foreseen_before_a_level_has_ended() -> None:
     pace = after([], 4)
     pace.accept(replace(accepted_step(0, 0.25), phase="tied"))
-    assert pace.seconds_left is None and str(pace) == "level 0 of 4"
+    assert pace.seconds_left is None and str(pace) == "0 of 4 levels"
 
 
 def test_after_one_level_the_others_are_said_to_be_assumed_alike() -> None:
-    assert str(after([20.0], 4)) == "level 1 of 4, about 60 s left if the others take as long"
+    assert str(after([20.0], 4)) == "1 of 4 levels, about 60 s left if the others take as long"
 
 
 def test_a_trend_is_continued() -> None:
@@ -49,14 +49,21 @@ def test_steps_between_levels_count_for_the_level_that_follows() -> None:
     pace = Pace([0.5, 1.0])
     for factor in (0.25, 0.5):
         pace.accept(replace(accepted_step(0, factor), seconds=3.0))
-    assert str(pace) == "level 1 of 2, about 6 s left if the others take as long"
+    assert str(pace) == "1 of 2 levels, about 6 s left if the others take as long"
+
+
+def test_what_a_level_has_taken_so_far_is_no_longer_left() -> None:
+    pace = after([20.0], 4)
+    pace.accept(replace(accepted_step(0, 0.5), phase="tied", seconds=5.0))
+    assert pace.seconds_left == pytest.approx(55.0) and not pace.has_ended
+    assert after([1.0], 1).has_ended
 
 
 def test_load_factors_may_come_back() -> None:
     pace = Pace([1.0, 0.5, 0.0])
     for factor in (1.0, 0.5, 0.0):
         pace.accept(accepted_step(0, factor))
-    assert str(pace) == "level 3 of 3"
+    assert str(pace) == "3 of 3 levels"
 
 
 def test_members_are_expected_to_take_their_mean() -> None:

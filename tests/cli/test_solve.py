@@ -55,7 +55,7 @@ def test_progress_is_a_plain_line_for_each_step_where_there_is_no_terminal(
     assert len(lines) == 5
     words = " ".join(lines[2].split())
     assert words.startswith("step 2 released load 0.6000 energy 0.3 largest gap 2.000e-02 parted 2")
-    assert words.endswith("level 3 of 5, about 1 s left") and lines[-1].endswith("level 5 of 5")
+    assert words.endswith("3 of 5 levels, about 1 s left") and lines[-1].endswith("5 of 5 levels")
     assert solve(CASE, "--quiet", "--force").stderr == ""
 
 
