@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from math import hypot, nan
+from math import hypot, isfinite, nan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -92,12 +92,24 @@ def figures_of(runs: Mapping[str, Sequence[StepRecord]], certified: Mapping[str,
     """
     released = {name: rows for name, history in runs.items() if (rows := released_steps(history))}
     found = []
-    for title, quantities in FIGURES.items():
-        if any(quantity.value(row) for quantity in quantities for rows in released.values() for row in rows):
+    for title, quantities in {**FIGURES, **_further(released.values())}.items():
+        values = [quantity.value(row) for quantity in quantities for rows in released.values() for row in rows]
+        if any(value for value in values if isfinite(value)):
             for one in [quantities] if len(released) == 1 else [(quantity,) for quantity in quantities]:
                 heading = title if len(one) == len(quantities) else one[0].title.capitalize()
                 found.append(_figure(heading, one, released, certified, key))
     return found
+
+
+def _further(histories: Iterable[Sequence[StepRecord]]) -> dict[str, tuple[Quantity, ...]]:
+    """Return a figure for each further column: what terms and observables of the scene report."""
+    names = dict.fromkeys(name for history in histories for row in history for name in row.more)
+
+    def value_of(name: str) -> Callable[[StepRecord], float]:
+        return lambda row: float(row.more.get(name, nan))
+
+    words = {name: name.replace("_", " ") for name in names}
+    return {words[name]: (Quantity(name, words[name], value_of(name), lambda row: nan),) for name in names}
 
 
 def _figure(

@@ -133,14 +133,23 @@ def records_table(key: str, title: str, records: Sequence[Any], *, refused: Iter
     if len(records) > _MOST_ROWS:
         records = [one for one in records if one.step == records[-1].step]
         note = "The last level only, to keep this page small."
-    names = [one.name for one in fields(records[0]) if one.name not in ("step", "load_factor", "plate_displacement")]
+    names = [one.name for one in fields(records[0]) if one.name not in _NOT_SHOWN]
+    more = list(getattr(records[0], "more", {}))
     rows = [
-        Row([cell_of(getattr(one, name)) for name in names], str(one.step), one.step in not_certified)
+        Row(
+            [*(cell_of(getattr(one, name)) for name in names), *(cell_of(one.more.get(name)) for name in more)],
+            str(one.step),
+            one.step in not_certified,
+        )
         for one in records
     ]
     levels = {str(one.step): _level_words(one, one.step in not_certified) for one in records}
-    columns = columns_of(names, ())
+    columns = columns_of([*names, *more], ())
     return [Table(key, title, columns, rows, list(levels.items()), note)]
+
+
+#: Columns of walls and cells that the choice of the level tells, and the field of the further ones.
+_NOT_SHOWN = ("step", "load_factor", "plate_displacement", "more")
 
 
 def _level_words(record: Any, refused: bool) -> str:
@@ -159,11 +168,19 @@ def levels_table(key: str, history: Sequence[Any]) -> list[Table]:
         values = {name: (getattr(one, name), getattr(one, f"{name}_error")) for name in _OF_LEVELS}
         values["plate_force"] = (FORCE.value(one), FORCE.error(one))
         told = [Cell(with_error(value, error), value) for value, error in values.values()]
-        counts = [cell_of(getattr(one, name)) for name in _COUNTS]
+        counts = [*(cell_of(getattr(one, name)) for name in _COUNTS), *map(cell_of, one.more.values())]
         verdict = Cell("certified" if one.certified else "NOT CERTIFIED", None, "text")
         place = [cell_of(one.load_factor), cell_of(one.plate_displacement), verdict]
         rows.append(Row([*place, *told, *counts], refused=not one.certified))
-    names = ["load_factor", "plate_displacement", "verdict", *_OF_LEVELS, "plate_force", *_COUNTS]
+    names = [
+        "load_factor",
+        "plate_displacement",
+        "verdict",
+        *_OF_LEVELS,
+        "plate_force",
+        *_COUNTS,
+        *(history[0].more if history else ()),
+    ]
     columns = columns_of(names, ("verdict",))
     return [Table(f"{key}-levels", "Numbers of each level", columns, rows)] if rows else []
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 import shutil
+from dataclasses import replace
 from html.parser import HTMLParser
+from math import nan
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -16,8 +18,10 @@ from ngcell.errors import OutputError
 from ngcell.export import write_summary
 from ngcell.report import page as page_module
 from ngcell.report import write_report
+from ngcell.report.charts import figures_of
 from ngcell.report.player import player_of
-from tests.report.results import snapshot, write_run
+from ngcell.report.rows import levels_table
+from tests.report.results import record, snapshot, write_run
 
 
 class Words(HTMLParser):
@@ -123,6 +127,19 @@ def test_tables_that_are_damaged_are_told(tmp_path: Path) -> None:
     folder = write_run(tmp_path / "run")
     (folder / "cells.csv").write_text("nonsense\n1\n")
     assert any("cells.csv is not the table" in line for line in write_report([folder]).remarks)
+
+
+def test_further_columns_are_told_and_drawn() -> None:
+    history = [replace(record(step), more={"twist_of_cell": 0.5 * step}) for step in range(3)]
+    (table,) = levels_table("run", history)
+    assert [column.title for column in table.columns][-1] == "twist of cell" and table.rows[2].cells[-1].text == "1"
+    figures = figures_of({"run": history}, {"run": True}, key="run")
+    assert figures[-1].title == "twist of cell" and "0 to 1 over" in figures[-1].described
+
+
+def test_a_history_without_a_number_is_drawn_without_it() -> None:
+    history = [replace(record(step), energy=nan) for step in range(2)]
+    assert "Energy" not in [figure.title for figure in figures_of({"run": history}, {"run": True}, key="run")]
 
 
 def test_what_is_no_result_is_one_line_and_exit_4(tmp_path: Path) -> None:
