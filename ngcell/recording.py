@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import logging
 import os
+import platform
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from hashlib import sha256
+from importlib import metadata
 from pathlib import Path
 from time import monotonic, perf_counter, process_time
 from typing import Any
@@ -130,6 +132,16 @@ class Recording:
         self.summary: dict[str, Any] = {}
         self.outcome, self.certified = Outcome.STOPPED.value, False
 
+    @property
+    def level_factors(self) -> tuple[float, ...]:
+        """Load factors of the levels, in the order of the load path."""
+        return self._case.level_factors
+
+    @property
+    def accepted_before(self) -> tuple[StepRecord, ...]:
+        """Steps that the run which this one resumes had accepted."""
+        return tuple(report.record for report in self._restart.reports) if self._restart else ()
+
     def __iter__(self) -> Iterator[StepRecord]:
         clock = Clock(self._options.end)
         began = process_time()
@@ -168,6 +180,7 @@ class Recording:
             self.summary = run_summary(self._case.title, simulation, steps, self.outcome, self.certified)
             if verified is not None:
                 self.summary["stiffer_penalty"] = verified
+            self.summary["versions"] = _versions()
             self.summary["seconds"] = _seconds(clock, perf_counter() - started, process_time() - before)
             if outcome is not Outcome.OUT_OF_TIME:  # such a run is stopped, and can be resumed
                 folder.finish(self.summary)
@@ -223,6 +236,13 @@ def file_told(case: AnyCase | BodyScene) -> str:
     if file is None:
         return ""
     return f"# tissue.file {Path(file).name}: SHA-256 {sha256(Path(file).read_bytes()).hexdigest()}\n"
+
+
+def _versions() -> dict[str, str]:
+    """Return the versions of what a result depends on."""
+    libraries = {name: metadata.version(name) for name in ("ngsolve", "numpy", "scipy")}
+    own = sys.modules["ngcell"].__version__  # an import of the table of contents, which offers this module, is a circle
+    return {"ngcell": own, "python": platform.python_version(), **libraries}
 
 
 def _seconds(clock: Clock, wall: float, processor: float) -> dict[str, Any]:

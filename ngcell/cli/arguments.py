@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import click
+from click.shell_completion import CompletionItem
 
 
 def _with_value(ctx: click.Context, parameter: click.Parameter, overrides: tuple[str, ...]) -> tuple[str, ...]:
@@ -21,7 +22,16 @@ def picture_file(ctx: click.Context, parameter: click.Parameter, file: Path | No
     return file
 
 
-case_argument = click.argument("case")
+def _case_names(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """Return the names of cases that come with ngcell, which shells offer besides files."""
+    from ngcell.scene.catalogue import shipped_cases
+
+    names = [CompletionItem(name) for name in shipped_cases() if name.startswith(incomplete)]
+    return [CompletionItem(incomplete, type="file"), *names]  # bash forgets what stands before a file
+
+
+case_argument = click.argument("case", shell_complete=_case_names)
+optional_case_argument = click.argument("case", required=False, shell_complete=_case_names)
 
 set_option = click.option(
     "--set",

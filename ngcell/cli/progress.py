@@ -9,43 +9,52 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Protocol
 
 from ngcell.cli.streams import note
-from ngcell.cli.summary import with_error
+from ngcell.results.verdict import with_error
 
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from ngcell.cli.pace import Pace
     from ngcell.results.record import StepRecord
 
 
 class ShowStep(Protocol):
-    """Shows an accepted step; `of` says whose, where there is more than one run."""
+    """Shows an accepted step, and how far the run is; `of` says whose, where there is more than one run."""
 
-    def __call__(self, record: StepRecord, of: str = "") -> None: ...
+    def __call__(self, record: StepRecord, pace: Pace | None = None, of: str = "") -> None: ...
 
 
 @contextmanager
 def silent_progress() -> Iterator[ShowStep]:
     """Show nothing."""
-    yield lambda record, of="": None
+    yield lambda record, pace=None, of="": None
 
 
 @contextmanager
 def step_progress() -> Iterator[ShowStep]:
     """Show each accepted step as a line and, on a terminal, a live line for the current step below them."""
-    console = _live_console()
+    console = live_console()
     if console is None:
-        yield lambda record, of="": note(of + step_line(record))
+        yield lambda record, pace=None, of="": note(f"{of}{step_line(record)}{_at_end(record, pace)}")
         return
     with console.status("building the scene") as status:
 
-        def show(record: StepRecord, of: str = "") -> None:
+        def show(record: StepRecord, pace: Pace | None = None, of: str = "") -> None:
             console.print(of + step_line(record), markup=False, soft_wrap=True)
-            status.update(f"{of}solving beyond load {record.load_factor:.4f} (Ctrl-C stops and keeps the steps)")
+            far = f"{pace}; " if str(pace or "") else ""
+            doing = "drawing pictures" if pace and pace.has_ended else f"solving beyond load {record.load_factor:.4f}"
+            status.update(f"{of}{far}{doing} (Ctrl-C stops and keeps the steps)")
 
         yield show
 
 
-def _live_console() -> Console | None:
+def _at_end(record: StepRecord, pace: Pace | None) -> str:
+    """Return how far the run is, after a step that may end a level."""
+    return f"  {pace}" if record.phase == "released" and str(pace or "") else ""
+
+
+def live_console() -> Console | None:
+    """Return the terminal that stderr is; None where it is none."""
     if not (sys.stderr.isatty() or os.environ.get("FORCE_COLOR") or os.environ.get("TTY_COMPATIBLE")):
         return None  # what rich would find out, without the time to import it
     from rich.console import Console

@@ -9,12 +9,14 @@ import sys
 from collections.abc import Mapping
 from math import isfinite
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from ngcell.cli.arguments import set_option
+from ngcell.cli.arguments import optional_case_argument, set_option
 from ngcell.cli.members import holds_members, members_lines
+from ngcell.cli.pace import Pace
 from ngcell.cli.progress import silent_progress, step_progress
 from ngcell.cli.streams import note
 from ngcell.cli.summary import summary_lines
@@ -33,7 +35,7 @@ def _finite(ctx: click.Context, parameter: click.Parameter, value: float | None)
 
 
 @click.command()
-@click.argument("case", required=False)
+@optional_case_argument
 @set_option
 @click.option("--out", type=click.Path(path_type=Path), help="Result folder; default out/<case name>.")
 @click.option(
@@ -123,17 +125,22 @@ def solve(
                 recording = run.resume(folder, **how)
             else:
                 recording = run.record(scene, folder, force=force, **how)
+            pace = Pace(recording.level_factors)
+            for record in recording.accepted_before:
+                pace.accept(record)
             for record in recording:
                 accepted = record.step + 1
-                show(record)
+                pace.accept(record)
+                show(record, pace)
     except KeyboardInterrupt:
-        _give_up("stopped by Ctrl-C", accepted, folder)
+        _give_up("stopped by Ctrl-C", accepted, folder, can_go_on=True)
     except NotConverged as error:
-        _give_up(str(error), len(error.steps), folder)
+        _give_up(str(error), len(error.steps), folder, can_go_on=error.outcome == "OUT_OF_TIME")
     for line in summary_lines(recording, folder):
         click.echo(line)
     if not recording.certified:
-        _give_up("not certified", accepted, folder)
+        note(f"not certified; accepted steps kept in {folder}: {accepted}")
+        sys.exit(NotConverged.exit_code)
 
 
 def _solve_members(
@@ -152,8 +159,10 @@ def _solve_members(
         with silent_progress() if quiet else step_progress() as show:
             _log_to_stderr(logging.INFO if verbose else logging.WARNING)
             ensemble = ensemble_of(scene, folder, choice, options)
+            pace = Pace(ensemble.case.level_factors, ensemble.choice.count)
             for number, record in ensemble:
-                show(record, f"member {number + 1} of {ensemble.choice.count}  ")
+                pace.accept(record, number)
+                show(record, pace, f"member {number + 1} of {ensemble.choice.count}  ")
     except KeyboardInterrupt:
         _give_up_members("stopped by Ctrl-C", ensemble, folder)
     except NotConverged as error:
@@ -207,11 +216,14 @@ def _give_up_members(reason: str, ensemble: Ensemble | None, folder: Path) -> No
     sys.exit(NotConverged.exit_code)
 
 
-def _give_up(reason: str, accepted: int, folder: Path) -> NoReturn:
+def _give_up(reason: str, accepted: int, folder: Path, *, can_go_on: bool = False) -> NoReturn:
     from ngcell.export.ownership import holds_result
 
     kept = f"accepted steps kept in {folder}: {accepted}" if accepted else "no step was accepted"
     if not accepted and holds_result(folder):
         kept += f", and the earlier result in {folder} is as it was"
+    if accepted:
+        go_on = f"go on with: ngcell solve --resume {quote(str(folder))}; " if can_go_on else ""
+        note(f"{go_on}see how far it got with: ngcell report {quote(str(folder))}")
     note(f"{reason}; {kept}")
     sys.exit(NotConverged.exit_code)

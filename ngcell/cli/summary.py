@@ -1,67 +1,67 @@
-"""A run in a few lines of text: outcome, certificate, expected numbers, folder of the results."""
+"""A run in some ten lines: certified or not, how sure its numbers are, what came apart, and where all of it is."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import hypot, isfinite
+from math import isfinite
 from pathlib import Path
+from shlex import quote
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
+
+from ngcell.cli.pace import duration
+from ngcell.results.verdict import came_apart, checks_not_passed, error_remark, headline, last_numbers, with_error
 
 if TYPE_CHECKING:
     from ngcell.recording import Recording
 
+#: Length of a line.
+_WIDTH = 100
+
 
 def summary_lines(recording: Recording, folder: Path) -> Iterator[str]:
     """Yield the lines that the terminal shows of a finished run."""
-    yield f"outcome      {recording.outcome}"
-    passed = recording.certified or _missed_expected_only(recording.summary)
-    reason = recording.summary.get("error_not_estimated")
-    untold = f"; error not estimated: {reason}" if reason else ""
-    yield f"certificate  {'passed' if passed else 'NOT PASSED'}{untold}"
-    yield from table_lines(recording.summary.get("certificate", {}), indent=2)
-    yield from error_lines(recording.summary)
-    yield from expected_lines(recording.summary.get("expected", ()))
-    yield from stiffer_lines(recording.summary.get("stiffer_penalty", {}))
-    yield f"results      {folder}"
+    summary = recording.summary
+    yield f"certified    {'yes' if recording.certified else 'NO'}: {headline(summary).partition(': ')[2]}"
+    for check in checks_not_passed(summary):
+        where = f" in {check.place}" if check.place else ""
+        advice = f"; to try: {check.advice}" if check.advice else ""
+        worst = "is no number" if check.worst is None or not isfinite(check.worst) else _shown(check.worst)
+        yield f"  {_words(check.name)} {worst}, limit {_shown(check.limit)}{where}{advice}"
+    yield from number_lines(summary)
+    apart = came_apart(summary)
+    if apart:
+        yield from wrap(f"came apart   {apart}", _WIDTH, subsequent_indent=" " * 13, break_on_hyphens=False)
+    yield from expected_lines(summary.get("expected", ()))
+    yield from stiffer_lines(summary.get("stiffer_penalty", {}))
+    seconds = (summary.get("seconds") or {}).get("on_the_clock")
+    took = "" if seconds is None else f", after {duration(seconds)}"
+    yield f"results      {folder}{took}; on one page: ngcell report {quote(str(folder))}"
 
 
-def error_lines(summary: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the numbers of the last step with their estimated errors; a line that says so where one is missing."""
+def number_lines(summary: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the numbers of the last step with their estimated errors, or why these are not known."""
     last = summary.get("last_step")
-    if last is None or summary.get("error_not_estimated"):
+    if last is None:
         return
-    if not isfinite(last["energy_error"]):
-        yield "last step    its error could not be estimated"
-        return
-    yield "last step    with estimated errors"
-    size = hypot(*(last[f"plate_force_{axis}"] for axis in "xyz"))
-    rows = {name: last[name] for name in ("energy", "contact_force", "mean_gap", "largest_gap")}
-    rows["plate_force"] = size
-    for name, value in rows.items():
-        yield f"  {_words(name):13}  {with_error(value, last[f'{name}_error'])}"
-
-
-def with_error(value: float, error: float) -> str:
-    """Return a number and its estimated error: relative, where that says something."""
-    if not isfinite(error):
-        return f"{value:.4g}"
-    if abs(value) > error:
-        return f"{value:.4g} ± {100 * error / abs(value):.1g} %"
-    return f"{value:.4g} ± {error:.1g}"
-
-
-def _missed_expected_only(summary: Mapping[str, Any]) -> bool:
-    """Return whether every check passed, and a run is not certified for an expected number only."""
-    missed = any(not finding["passed"] for finding in summary.get("expected", ()))
-    return missed and not summary.get("failed_steps")
+    moved = f"plate displacement {last['plate_displacement']:.4g}, " if last["plate_displacement"] else ""
+    remark = error_remark(summary) or "with estimated errors"
+    refused = "" if summary.get("certified", True) else "NOT CERTIFIED; "
+    yield f"how sure     {refused}{moved}load factor {last['load_factor']:.4g}; {remark}"
+    for name, (value, error) in last_numbers(summary).items():
+        yield f"  {_words(name):13}  {with_error(value, error)}"
 
 
 def expected_lines(findings: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """Yield a table of measured beside expected numbers; nothing if the case expects none."""
+    """Yield measured beside expected numbers, as a table where one is not met; nothing if the case expects none."""
     if not findings:
         return
     missed = sum(not finding["passed"] for finding in findings)
-    yield f"expected     {f'{missed} of {len(findings)} NOT MET' if missed else 'met'}"
+    if not missed:
+        names = ", ".join(dict.fromkeys(_words(finding["quantity"]) for finding in findings))
+        yield f"expected     met: {names}"
+        return
+    yield f"expected     {missed} of {len(findings)} NOT MET"
     places = [f"{finding['quantity']} {finding['place']}".rstrip() for finding in findings]
     width = max(map(len, places))
     yield f"  {'':{width}}  {'load':>8}  {'measured':>12}  {'expected':>12}  {'deviation':>10}  {'tolerance':>10}"

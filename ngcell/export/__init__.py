@@ -11,7 +11,7 @@ from ngcell.export.layout_picture import draw_layout
 from ngcell.export.ownership import restore_case
 from ngcell.export.picture import draw_tissue
 from ngcell.export.restart import Restart, cannot_resume, read_restart
-from ngcell.export.series import SnapshotSeries, read_last_snapshot
+from ngcell.export.series import SnapshotSeries, count_snapshots, read_last_snapshot, read_snapshot
 from ngcell.export.summary import accepted_steps, read_summary, write_summary
 from ngcell.export.tables import RecordTable, read_records
 from ngcell.export.view import show
@@ -24,6 +24,7 @@ __all__ = [
     "SnapshotSeries",
     "accepted_steps",
     "cannot_resume",
+    "count_snapshots",
     "draw_curves",
     "draw_debonding",
     "draw_layout",
@@ -31,6 +32,7 @@ __all__ = [
     "read_last_snapshot",
     "read_records",
     "read_restart",
+    "read_snapshot",
     "read_summary",
     "restore_case",
     "show",

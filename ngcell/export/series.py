@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 CERTIFIED = "certified"
 NOT_CERTIFIED = "NOT CERTIFIED"
 VERDICT = "ngcell_verdict"
+#: What reading a damaged file may raise.
+_UNREADABLE = (OSError, SyntaxError, LookupError, TypeError, ValueError, AttributeError, RuntimeError)
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,7 +134,29 @@ class SnapshotSeries:
 
 
 def read_last_snapshot(folder: Path, name: str = "tissue") -> tuple[Snapshot, bool]:
-    """Read the last snapshot of a series, and whether it is certified.
+    """Read the last snapshot of a series, and whether it is certified; raise as `read_snapshot` does."""
+    return read_snapshot(folder, -1, name)
+
+
+def count_snapshots(folder: Path, name: str = "tissue") -> int:
+    """Return the number of snapshots of a series; 0 where there is none that can be read."""
+    try:
+        return len(_open_series(Path(folder) / f"{name}.pvd").time_values)
+    except _UNREADABLE:
+        return 0
+
+
+def read_snapshot(folder: Path, number: int, name: str = "tissue") -> tuple[Snapshot, bool]:
+    """Read a snapshot of a series, and whether it is certified.
+
+    Parameters
+    ----------
+    folder : Path
+        The result of a run, finished or not.
+    number : int
+        Place in the series, from 0; -1 is the last.
+    name : str
+        Stem of the `.pvd` file.
 
     Raises
     ------
@@ -142,24 +166,30 @@ def read_last_snapshot(folder: Path, name: str = "tissue") -> tuple[Snapshot, bo
     path = Path(folder) / f"{name}.pvd"
     if not path.is_file():
         raise OutputError(f"{folder} holds no {path.name}: not a result, or no step was accepted")
-    import pyvista
     from vtkmodules.vtkCommonCore import vtkObject
 
-    open_reader: Any = pyvista.get_reader  # it is not annotated
     vtkObject.GlobalWarningDisplayOff()  # what it would tell of damaged files is told below, in one line
     try:
-        reader = open_reader(path)
-        reader.set_active_time_value(reader.time_values[-1])
+        reader = _open_series(path)
+        reader.set_active_time_value(reader.time_values[number])
         bulk, walls = reader.read()
         labels, _ = bulk.field_data, walls.field_data[VERDICT]  # which a damaged file does not have
         step, load_factor, displacement = (labels[key][0] for key in ("step", "load_factor", "plate_displacement"))
         snapshot = Snapshot(int(step), float(load_factor), float(displacement), _grid(bulk), _grid(walls))
         return snapshot, labels[VERDICT][0] == CERTIFIED
-    except (OSError, SyntaxError, LookupError, TypeError, ValueError, AttributeError, RuntimeError) as error:
+    except _UNREADABLE as error:
         reason = str(error).partition("\n")[0] or type(error).__name__
-        raise OutputError(f"cannot read the last snapshot of {path}: {reason}; is it damaged?") from error
+        place = "the last snapshot" if number < 0 else f"snapshot {number}"
+        raise OutputError(f"cannot read {place} of {path}: {reason}; is it damaged?") from error
     finally:
         vtkObject.GlobalWarningDisplayOn()
+
+
+def _open_series(path: Path) -> Any:
+    import pyvista
+
+    open_reader: Any = pyvista.get_reader  # it is not annotated
+    return open_reader(path)
 
 
 def _times(entries: Sequence[_Entry]) -> list[float]:

@@ -33,19 +33,40 @@ def _schema_of(own_kinds: tuple[type, ...]) -> Node:
 
 
 def schema() -> Node:
-    """Return the JSON schema of a case file of either kind."""
+    """Return the JSON schema of a case file of either kind.
+
+    Notes
+    -----
+    Editors find the keys to offer by way of `$ref`, `anyOf`, `oneOf` and `properties` only: no `if` stands before them.
+    """
     whole = _schema()
     definitions = {**whole["$defs"], **{f"{name}{_PART}": _in_part(node) for name, node in whole["$defs"].items()}}
     parts = [definitions[kind.__name__ + _PART] for kind in (Case, BodyCase)]
     for part in parts:
         part["properties"][EXTENDS] = {"type": "string", "description": "Case whose keys are taken over."}
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "$defs": definitions,
-        "if": {"required": [EXTENDS]},
-        "then": {"anyOf": [{"$ref": f"#/$defs/{kind.__name__}{_PART}"} for kind in (Case, BodyCase)]},
-        "else": {key: value for key, value in whole.items() if key != "$defs"},
-    }
+        part["required"] = [EXTENDS]
+    in_part = [{"$ref": f"#/$defs/{kind.__name__}{_PART}"} for kind in (Case, BodyCase)]
+    told: Node = _with_infinity(
+        {
+            "$schema": "https://json-schema.org/draft/2020-12/schema",
+            "$defs": definitions,
+            "anyOf": [{key: value for key, value in whole.items() if key != "$defs"}, *in_part],
+        }
+    )
+    return told
+
+
+def _with_infinity(node: Any) -> Any:
+    """Let numbers that may be infinite be null, which editors take TOML's `inf` for: JSON has no word for it."""
+    if isinstance(node, list):
+        return [_with_infinity(item) for item in node]
+    if not isinstance(node, dict):
+        return node
+    told = {key: _with_infinity(value) for key, value in node.items()}
+    if told.get("format") != OR_INFINITE:
+        return told
+    common = {key: told.pop(key) for key in ("default", "title", "description") if key in told}
+    return {**common, "anyOf": [told, {"type": "null"}]}
 
 
 def _in_part(node: Any) -> Any:

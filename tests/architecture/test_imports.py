@@ -20,7 +20,7 @@ IDS = [str(module.relative_to(PACKAGE)) for module in MODULES]
 #: Rooms in their order: each may import those named before it, besides itself.
 ORDER = (
     "errors", "clock", "scene", "geometry", "mechanics", "contact", "problem", "results", "build", "export",
-    "recording", "run", "ensemble", "cli",
+    "report", "recording", "run", "ensemble", "cli",
 )  # fmt: skip
 
 #: Rooms that may import less: what they do not name they cannot come to depend on.
@@ -29,10 +29,12 @@ NARROW = {
     "scene": {"errors"},
     "geometry": {"errors", "scene"},
     "export": {"errors", "scene", "results"},
+    # The report tells what folders hold, and by which version.
+    "report": {"errors", "scene", "results", "export", "__version__"},
     # The solver knows a problem by protocol only, and of scenes what sections of cases are made of.
     "solve": {"errors", "clock", "scene"},
     # The command line hands on what a case says, and shows what came of it.
-    "cli": {"errors", "scene", "results", "export", "recording", "run", "ensemble", "__version__"},
+    "cli": {"errors", "scene", "results", "export", "report", "recording", "run", "ensemble", "__version__"},
     # The table of contents names what it offers to type checkers; at run time it imports on demand.
     "__init__": {*ORDER, "solve"} - {"cli"},
     "__main__": {"cli"},
@@ -63,6 +65,7 @@ UNKNOWN = {
     "results": PICTURES | {"click", "rich"},
     "solve": PICTURES | {"netgen", "click", "rich"},
     "export": {"click", "rich"},
+    "report": {"click", "rich", "ngsolve", "netgen"},
     "problem": PICTURES | {"click", "rich"},
     "build": PICTURES | {"click", "rich"},
     "recording": PICTURES | {"click", "rich"},

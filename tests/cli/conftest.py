@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -78,6 +78,11 @@ class FakeRecording:
     out: Path
     force: bool = False
     outcome: str = "converged"
+    accepted_before: tuple[StepRecord, ...] = ()
+
+    @property
+    def level_factors(self) -> tuple[float, ...]:
+        return self.case.load.level_factors
 
     @property
     def certified(self) -> bool:
@@ -85,7 +90,22 @@ class FakeRecording:
 
     @property
     def summary(self) -> dict[str, Any]:
-        return {"certificate": {"residual": 1.25e-12, "worst_penetration": 3.4e-6, "balanced": True}}
+        record, certified = accepted_step(4, 1.0, certified=self.certified), self.certified
+        check = {"worst": 1.25e-12 if certified else 1e-3, "limit": 1e-6, "passed": certified}
+        return {
+            "certified": certified,
+            "outcome": self.outcome,
+            "accepted_steps": 5,
+            "certificate": {"residual": check},
+            "failed_steps": {} if certified else {4: ["residual"]},
+            "bodies": 9,
+            "facing_pairs": 16,
+            "debonding": {"wall_pairs_opened": 7, "wall_pairs_parted": 4, "component_sizes": [8, 1]},
+            "held_by_nothing": [5, 7],
+            "onset_of_growth": 0.2,
+            "last_step": asdict(replace(record, energy_error=0.003)),
+            "seconds": {"on_the_clock": 150.0},
+        }
 
     def __iter__(self) -> Iterator[StepRecord]:
         from ngcell.export import ResultFolder

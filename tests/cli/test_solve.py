@@ -30,16 +30,20 @@ def history(folder: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(table))
 
 
-def test_certified_run_answers_0_and_shows_its_certificate(fake_run: FakeRun, in_empty_folder: Path) -> None:
+def test_certified_run_answers_0_and_says_first_what_matters(fake_run: FakeRun, in_empty_folder: Path) -> None:
     answer = solve(CASE)
     assert answer.exit_code == 0
-    assert [line.split() for line in answer.stdout.splitlines()] == [
-        ["outcome", "converged"],
-        ["certificate", "passed"],
-        ["residual", "1.25e-12"],
-        ["worst", "penetration", "3.4e-06"],
-        ["balanced", "yes"],
-        ["results", f"out/{CASE}"],
+    assert answer.stdout.splitlines() == [
+        "certified    yes: converged; 1 check passed at each of 5 accepted steps",
+        "how sure     plate displacement 1, load factor 1; with estimated errors",
+        "  energy         0.3 ± 1 %",
+        "  mean gap       0.004",
+        "  largest gap    0.04",
+        "  plate force    0.1",
+        "  contact force  0.2",
+        "came apart   7 of 16 wall pairs opened and 4 parted; 9 cells in 2 connected components; 2 cells held",
+        "             by nothing; gaps grow from plate displacement 0.2",
+        f"results      out/{CASE}, after 2.5 min; on one page: ngcell report out/{CASE}",
     ]
     assert len(history(in_empty_folder / "out" / CASE)) == 5
 
@@ -51,6 +55,7 @@ def test_progress_is_a_plain_line_for_each_step_where_there_is_no_terminal(
     assert len(lines) == 5
     words = " ".join(lines[2].split())
     assert words.startswith("step 2 released load 0.6000 energy 0.3 largest gap 2.000e-02 parted 2")
+    assert words.endswith("3 of 5 levels, about 1 s left") and lines[-1].endswith("5 of 5 levels")
     assert solve(CASE, "--quiet", "--force").stderr == ""
 
 
@@ -67,8 +72,11 @@ def test_uncertified_run_answers_4_and_says_so(fake_run: FakeRun, in_empty_folde
     fake_run.certified = False
     answer = solve(CASE)
     assert answer.exit_code == 4
-    assert "certificate  NOT PASSED" in answer.stdout
-    assert answer.stderr.splitlines()[0].endswith("not certified")
+    verdict, failed, *_ = answer.stdout.splitlines()
+    assert verdict.startswith("certified    NO: converged, but 1 of 5 accepted steps failed a check")
+    assert "how sure     NOT CERTIFIED; " in answer.stdout
+    assert failed.startswith("  residual 0.001, limit 1e-06; to try: refine the mesh")
+    assert "not certified" in answer.stderr.splitlines()[0]
     assert answer.stderr.splitlines()[-1] == f"not certified; accepted steps kept in out/{CASE}: 5"
 
 

@@ -48,6 +48,25 @@ def test_schema_is_json() -> None:
     assert json.loads(answer.stdout)["$defs"]["Case"]["required"] == ["tissue", "material", "load"]
 
 
+def test_schema_is_written_for_editors(tmp_path: Path) -> None:
+    answer = CliRunner().invoke(ngcell, ["schema", "--out", str(tmp_path / "case.schema.json")])
+    assert answer.stdout == "first line of a case file beside it: #:schema case.schema.json\n"
+    assert json.loads((tmp_path / "case.schema.json").read_text())["$defs"]["Case"]
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_shells_complete_commands_and_options(shell: str) -> None:
+    from click.shell_completion import get_completion_class
+
+    completion = get_completion_class(shell)
+    assert completion is not None
+    found = completion(ngcell, {}, "ngcell", "_NGCELL_COMPLETE")
+    assert {"solve", "report", "view"} <= {one.value for one in found.get_completions([], "")}
+    assert "--resume" in {one.value for one in found.get_completions(["solve"], "--re")}
+    assert "shear-empty-3x3" in {one.value for one in found.get_completions(["solve"], "shear-")}
+    assert "_NGCELL_COMPLETE" in found.source()
+
+
 def test_view_hands_folder_and_picture_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     shown: list[tuple[Path, Path | None, float | None]] = []
     monkeypatch.setattr(export, "show", lambda folder, **how: shown.append((folder, how["screenshot"], how["clip"])))

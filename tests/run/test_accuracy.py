@@ -103,7 +103,7 @@ def test_errors_of_bonds_are_not_estimated_and_a_run_says_so(tmp_path: Path):
     (mesh,) = recording.summary["meshes"]
     assert (mesh["order"], mesh["grading"]) == (3, 0)
     lines = list(summary_lines(recording, tmp_path))
-    assert "certificate  passed; error not estimated: bonds remember how they were loaded" in lines
+    assert any(line.endswith("errors not estimated: bonds remember how they were loaded") for line in lines)
     assert not any("±" in line for line in lines)
     for said in (recording.summary, read_summary(tmp_path / "out")):
         assert said["accuracy"] is None
@@ -116,14 +116,14 @@ def test_a_run_without_accuracy_says_that_nothing_was_estimated(tmp_path: Path):
     recording = ngcell.record(case, tmp_path / "out", pictures=False)
     *_, last = recording
     assert all(isnan(getattr(last, f"{name}_error")) for name in ERROR_NAMES)
-    assert "certificate  passed; error not estimated: accuracy = inf" in summary_lines(recording, tmp_path)
+    assert any(line.endswith("errors not estimated: accuracy = inf") for line in summary_lines(recording, tmp_path))
     assert ngcell.inspect(case)["error_not_estimated"] == "accuracy = inf"
 
 
 def test_a_run_with_an_estimate_has_no_such_word(tmp_path: Path):
     recording = ngcell.record(ngcell.read_case("shear-empty-3x3", SMALL), tmp_path / "out", pictures=False)
     assert [record.certified for record in recording][-1]
-    assert "certificate  passed" in summary_lines(recording, tmp_path)
+    assert next(summary_lines(recording, tmp_path)).startswith("certified    yes: converged; ")
     assert recording.summary["accuracy"] == 0.01 and recording.summary["error_not_estimated"] == ""
 
 

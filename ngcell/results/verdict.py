@@ -1,0 +1,143 @@
+"""What a result says first: certified or not, how sure its numbers are, and what came apart.
+
+The words are made from what `summary.json` holds, finished or not, for the terminal and for the report of a run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from math import hypot, isfinite
+from typing import Any
+
+Summary = Mapping[str, Any]
+
+#: Numbers of the last step that are told with their errors.
+_TOLD = ("energy", "mean_gap", "largest_gap", "plate_force", "contact_force")
+#: What to do where a check fails, by its name.
+ADVICE = {
+    "residual": "refine the mesh (mesh.size), or ask for smaller load steps (load.levels)",
+    "penetration_over_wall": "raise contact.stiffness, or refine the mesh (mesh.size)",
+    "body_balance": "ask for a smaller accuracy or for more levels (load.levels)",
+    "plate_balance": "ask for a smaller accuracy or for more levels (load.levels)",
+    "quadrature_error": "raise mesh.order or refine the mesh (mesh.size)",
+    "stabilisation": "ask for a smaller accuracy or for more levels (load.levels)",
+    "work_mismatch": "ask for more levels (load.levels)",
+    "lowest_curvature": "the state is a saddle: ask for more levels, or run members (--members 10)",
+    "smallest_jacobian": "elements are inverted: refine the mesh where the message says, or lower the load",
+    "self_penetration_over_wall": "a body folds over itself: lower the load or thicken the wall",
+    "energy_above_tied": "the walls found a worse state than the tied one: ask for more levels (load.levels)",
+    "tension": "raise contact.stiffness, or refine the mesh (mesh.size)",
+    "complementarity": "raise contact.stiffness, or refine the mesh (mesh.size)",
+    "estimated_error": "ask for a larger accuracy, leave mesh.order and mesh.size out, or use more memory",
+    "energy_balance": "ask for more levels (load.levels)",
+}
+
+
+@dataclass(frozen=True)
+class FailedCheck:
+    """A check that some step failed: its name, worst value, limit, where, and what to try."""
+
+    name: str
+    worst: float | None
+    limit: float | None
+    place: str
+    advice: str
+
+
+def is_finished(summary: Summary) -> bool:
+    """Return whether the run has ended by itself."""
+    return summary.get("status") != "stopped" and summary.get("status") != "running"
+
+
+def headline(summary: Summary) -> str:
+    """Return in one line whether a result is certified, and why or why not."""
+    steps = summary.get("accepted_steps") or 0
+    if not is_finished(summary):
+        reason = summary.get("reason")
+        return f"not certified: the run {_stop_words(summary, reason)} after {_count(steps, 'accepted step')}"
+    checks = len(summary.get("certificate", {}))
+    if summary.get("certified"):
+        passed = f"; {_count(checks, 'check')} passed at each of {_count(steps, 'accepted step')}" if checks else ""
+        return f"certified: converged{passed}"
+    failed = len(summary.get("failed_steps") or ())
+    outcome = str(summary.get("outcome") or "no outcome is known")
+    if failed:
+        how = "converged, but " if outcome.startswith("converged") else ""
+        words = f"not certified: {how}{failed} of {_count(steps, 'accepted step')} failed a check"
+        return words if how else f"{words}; {outcome}"
+    return f"not certified: {outcome}"
+
+
+def _stop_words(summary: Summary, reason: object) -> str:
+    if summary.get("status") == "running":
+        return "has not ended, or was killed,"
+    return f"was stopped ({reason})" if reason else "was stopped"
+
+
+def checks_not_passed(summary: Summary) -> list[FailedCheck]:
+    """Return the checks that failed, each with what to try."""
+    return [
+        FailedCheck(name, check.get("worst"), check.get("limit"), check.get("place", ""), ADVICE.get(name, ""))
+        for name, check in (summary.get("certificate") or {}).items()
+        if isinstance(check, Mapping) and check.get("passed") is False
+    ]
+
+
+def error_remark(summary: Summary) -> str:
+    """Return why no errors are known of the numbers of the last step; empty where they are."""
+    reason = summary.get("error_not_estimated")
+    if reason:
+        return f"errors not estimated: {reason}"
+    last = summary.get("last_step") or {}
+    known = last.get("energy_error")
+    return "" if known is not None and isfinite(known) else "the error of the last step could not be estimated"
+
+
+def last_numbers(summary: Summary) -> dict[str, tuple[float, float | None]]:
+    """Return numbers of the last step, each with its estimated error or None; the plate force is the size of it."""
+    last = summary.get("last_step") or {}
+    sizes = {"plate_force": hypot(*(last.get(f"plate_force_{axis}") or 0.0 for axis in "xyz"))} if last else {}
+    found = {}
+    for name in _TOLD:
+        value, error = sizes.get(name, last.get(name)), last.get(f"{name}_error")
+        if value is not None:
+            found[name] = (value, error if error is not None and isfinite(error) else None)
+    return found
+
+
+def with_error(value: float, error: float | None) -> str:
+    """Return a number and its estimated error: relative, where that says something."""
+    if error is None or not isfinite(error):
+        return f"{value:.4g}"
+    if abs(value) > error:
+        share = 100 * error / abs(value)
+        return f"{value:.4g} ± {share:.0f} %" if share >= 9.5 else f"{value:.4g} ± {share:.1g} %"
+    return f"{value:.4g} ± {error:.1g}"
+
+
+def came_apart(summary: Summary) -> str:
+    """Return in one line what has come apart at the last level; empty where that is not known."""
+    found, pairs = summary.get("debonding") or {}, summary.get("facing_pairs")
+    if not found or not pairs:
+        return ""
+    opened, parted = found.get("wall_pairs_opened", 0), found.get("wall_pairs_parted", 0)
+    sizes: Sequence[int] = found.get("component_sizes") or ()
+    words = [f"{opened} of {_count(pairs, 'wall pair')} opened and {parted} parted"]
+    if len(sizes) > 1:
+        words.append(f"{_count(summary.get('bodies', sum(sizes)), 'cell')} in {len(sizes)} connected components")
+    free = summary.get("held_by_nothing") or ()
+    if free:
+        words.append(f"{_count(len(free), 'cell')} held by nothing")
+    return "; ".join([*words, *_onset(summary)])
+
+
+def _onset(summary: Summary) -> Iterator[str]:
+    onset, last = summary.get("onset_of_growth"), summary.get("last_step") or {}
+    if onset is not None and last.get("plate_displacement"):
+        bound = "no later than " if summary.get("onset_is_a_bound") else ""
+        yield f"gaps grow from {bound}plate displacement {onset:.3g}"
+
+
+def _count(number: int, thing: str) -> str:
+    return f"{number} {thing}{'' if number == 1 else 's'}"
