@@ -32,7 +32,7 @@ def silent_progress() -> Iterator[ShowStep]:
 @contextmanager
 def step_progress() -> Iterator[ShowStep]:
     """Show each accepted step as a line and, on a terminal, a live line for the current step below them."""
-    console = _live_console()
+    console = live_console()
     if console is None:
         yield lambda record, of="": note(of + step_line(record))
         return
@@ -45,7 +45,8 @@ def step_progress() -> Iterator[ShowStep]:
         yield show
 
 
-def _live_console() -> Console | None:
+def live_console() -> Console | None:
+    """Return the terminal that stderr is; None where it is none."""
     if not (sys.stderr.isatty() or os.environ.get("FORCE_COLOR") or os.environ.get("TTY_COMPATIBLE")):
         return None  # what rich would find out, without the time to import it
     from rich.console import Console

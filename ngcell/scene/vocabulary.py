@@ -14,16 +14,27 @@ from ngcell.scene.choice import DEFAULT_KIND
 from ngcell.scene.kinds import AnyCase, kind_of_case
 from ngcell.scene.lines import KeyPath
 from ngcell.scene.registry import registered
+from ngcell.scene.study import Study
 
 Node = dict[str, Any]
 
 #: The key of a case file that is none of a case: it names the case that the file extends.
 EXTENDS = "extends"
-_PART = "InPart"
+_PART, _DRAFT = "InPart", "https://json-schema.org/draft/2020-12/schema"
 
 
 def _schema() -> Node:
     return _schema_of(registered())
+
+
+def _definitions() -> dict[str, Node]:
+    study = _schema_of_study(registered())
+    return {**_schema()["$defs"], **study["$defs"], Study.__name__: study}
+
+
+@cache
+def _schema_of_study(own_kinds: tuple[type, ...]) -> Node:
+    return TypeAdapter(Study).json_schema()
 
 
 @cache
@@ -40,7 +51,7 @@ def schema() -> Node:
     for part in parts:
         part["properties"][EXTENDS] = {"type": "string", "description": "Case whose keys are taken over."}
     return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$schema": _DRAFT,
         "$defs": definitions,
         "if": {"required": [EXTENDS]},
         "then": {"anyOf": [{"$ref": f"#/$defs/{kind.__name__}{_PART}"} for kind in (Case, BodyCase)]},
@@ -59,9 +70,17 @@ def _in_part(node: Any) -> Any:
     return {**kept, "anyOf": _in_part(node["oneOf"])} if "oneOf" in node else kept
 
 
-def node_at(path: KeyPath, table: Any) -> Node:
-    """Return the schema of the key at `path`; `table`, what the file says, tells the kinds on the way."""
-    node: Node = _schema()["$defs"][kind_of_case(table).__name__]
+def study_schema() -> Node:
+    """Return the JSON schema of a study."""
+    return {"$schema": _DRAFT, **_schema_of_study(registered())}
+
+
+def node_at(path: KeyPath, table: Any, section: str | None = None) -> Node:
+    """Return the schema of the key at `path`; `table`, what the file says, tells the kinds on the way.
+
+    The file is a case, or else the section of that name.
+    """
+    node: Node = _definitions()[section or kind_of_case(table).__name__]
     for part in path:
         table = _entry(table, part)
         node = _resolved(_below(node, part), table)
@@ -116,8 +135,7 @@ def _of_text(node: Node) -> str:
 def _resolved(node: Node, table: Any) -> Node:
     """Return the schema behind references, "or nothing" and a choice by kind."""
     if "$ref" in node:
-        definitions: dict[str, Node] = _schema()["$defs"]
-        return _resolved(definitions[node["$ref"].rpartition("/")[2]], table)
+        return _resolved(_definitions()[node["$ref"].rpartition("/")[2]], table)
     options = [option for option in node.get("anyOf", ()) if option.get("type") != "null"]
     if len(options) == 1:
         return _resolved(options[0], table)
@@ -131,7 +149,7 @@ def _below(node: Node, part: str | int) -> Node:
         **node.get("properties", {}),
         **dict(enumerate(node.get("prefixItems", ()))),
     }
-    other: Node = node.get("items", {})
+    other: Node = node.get("items") or node.get("additionalProperties") or {}
     return entries.get(part, other)
 
 
