@@ -90,7 +90,7 @@ def outlook_lines(outlook: Outlook, workers: int | None) -> Iterator[str]:
     if outlook.measured:
         yield f"             from {outlook.measured} runs of this study in the store"
     else:
-        yield "             from sheared tissues of 9 and 35 cells; other scenes, and other machines, by a factor of three"
+        yield "             from sheared tissues of 9 and 35 cells; for other scenes within a factor of three"
 
 
 def summary_lines(runs: Sweep) -> Iterator[str]:

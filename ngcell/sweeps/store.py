@@ -7,11 +7,10 @@ writes it last, it says the same.
 from __future__ import annotations
 
 import json
-import os
-import socket
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+from uuid import uuid4
 
 from ngcell.export.atomic import output_errors, replace_file
 
@@ -62,9 +61,8 @@ class Store:
         file = self._file(result["key"])
         with output_errors(file):
             file.parent.mkdir(parents=True, exist_ok=True)
-        # A draft of its own for each process: two sweeps may end the same case at the same time.
-        draft = f"{socket.gethostname()}-{os.getpid()}"
-        replace_file(file, (json.dumps(result, ensure_ascii=False) + "\n").encode(), draft=draft)
+        # A draft of its own for each writer: two sweeps may end the same case at the same time.
+        replace_file(file, (json.dumps(result, ensure_ascii=False) + "\n").encode(), draft=uuid4().hex)
 
     def _file(self, key: str) -> Path:
         return self.folder / key[:2] / f"{key}.json"
