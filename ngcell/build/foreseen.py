@@ -23,7 +23,7 @@ from netgen import occ
 from pydantic import BaseModel
 
 from ngcell.build.memory import foreseen_memory
-from ngcell.errors import CaseError, GeometryError
+from ngcell.errors import CaseError, GeometryError, TooLarge
 from ngcell.scene import BodyScene, Case
 
 #: Elements of unit size in a unit of area or volume, equilateral triangles or tetrahedra.
@@ -70,7 +70,7 @@ def check_tissue_fits(case: Case) -> None:
 
     Raises
     ------
-    CaseError
+    TooLarge
         If it cannot.
     """
     count = getattr(case.tissue, "element_count", None)
@@ -85,8 +85,8 @@ def check_bodies_fit(scene: BodyScene) -> None:
 
     Raises
     ------
-    CaseError
-        If they cannot.
+    GeometryError, TooLarge
+        If they have not, or cannot.
     """
     elements, dimension = body_elements(scene)
     _check_fits(elements, scene.plain_order, dimension, _SIMPLEX_SHARE[dimension], "mesh.size, sizes of bodies")
@@ -124,7 +124,7 @@ def _check_fits(elements: float, order: int, dimension: int, share: float, keys:
     entries = share * _entries(elements, order, dimension)
     needed, there = foreseen_memory(entries), available_memory()
     if not needed <= there:
-        raise CaseError(
+        raise TooLarge(
             f"at least {elements:.2g} elements of order {order}, for which the run would take {needed:.2g} GiB of "
             f"memory; allowed: at most {there:.3g} GiB, by larger or fewer elements ({keys}), fewer bodies or a lower "
             "mesh.order"

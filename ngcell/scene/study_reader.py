@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from ngcell.errors import CaseError
-from ngcell.scene.catalogue import case_in
+from ngcell.scene.catalogue import case_in, find_study
 from ngcell.scene.complaint import CaseText, complaints
 from ngcell.scene.inheritance import read_toml
 from ngcell.scene.lines import KeyPath, Place, key_lines, place_of
@@ -62,7 +62,8 @@ def read_study(path: Path | str) -> WrittenStudy:
     CaseError
         The file cannot be read or is no study; one line for each mistake.
     """
-    file, shown = Path(path), str(path)
+    file = find_study(path)
+    shown = str(file)
     try:
         table, text = read_toml(file, shown)
         places = {path: Place(shown, line) for path, line in key_lines(text).items()}

@@ -16,11 +16,11 @@ from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
 from threading import Thread
-from time import perf_counter, process_time
+from time import process_time
 from typing import Any
 
 import ngcell
-from ngcell.errors import CaseError, GeometryError, NgcellError, NotConverged
+from ngcell.errors import CaseError, GeometryError, NgcellError, NotConverged, TooLarge
 from ngcell.export.summary import failed_checks
 from ngcell.results.record import StepRecord
 from ngcell.results.spread import at_levels
@@ -31,6 +31,17 @@ from ngcell.sweeps.ending import Ending
 from ngcell.sweeps.identity import content_key
 from ngcell.sweeps.store import Result
 from ngcell.sweeps.task import OTHER_CODE, RESULT, Task
+
+
+#: Endings by the errors that stand for them; the first that fits counts.
+_OF_ERRORS = {
+    TooLarge: Ending.OUT_OF_MEMORY,
+    MemoryError: Ending.OUT_OF_MEMORY,
+    GeometryError: Ending.BAD_GEOMETRY,
+    CaseError: Ending.REFUSED,
+}
+#: What errors of NGSolve, numpy and the system's loader say where memory is refused.
+_WORDS_OF_MEMORY = ("alloc", "failed to map", "cannot allocate")
 
 
 def serve(folder: str) -> None:
@@ -51,14 +62,11 @@ def _end_with_the_worker() -> None:
 
 def run(task: Task, folder: Path) -> Result:
     """Run a task, its files in a folder of its own, and return what the store keeps of it."""
-    started, before = perf_counter(), process_time()
-    found = _ended(task, folder)
     return {
         "key": task.key,
-        **found,
+        **_ended(task, folder),
         "attempts": task.attempt,
-        "seconds": perf_counter() - started,
-        "processor_seconds": process_time() - before,
+        "processor_seconds": process_time(),  # with the imports
         "memory_gib": _most_memory(),
         "host": socket.gethostname(),
         "ngcell": ngcell.__version__,
@@ -95,10 +103,9 @@ def _ending(outcome: str) -> Ending:
 
 def _ending_by(error: Exception) -> Ending:
     """Return which of the closed list an error stands for."""
-    kinds = {GeometryError: Ending.BAD_GEOMETRY, CaseError: Ending.REFUSED, MemoryError: Ending.OUT_OF_MEMORY}
-    found = next((ending for kind, ending in kinds.items() if isinstance(error, kind)), Ending.FAILED)
-    # NGSolve and numpy have errors of their own for memory that is refused.
-    return Ending.OUT_OF_MEMORY if found is Ending.FAILED and "alloc" in str(error).lower() else found
+    found = next((ending for kind, ending in _OF_ERRORS.items() if isinstance(error, kind)), Ending.FAILED)
+    lacks_memory = any(words in str(error).lower() for words in _WORDS_OF_MEMORY)
+    return Ending.OUT_OF_MEMORY if found is Ending.FAILED and lacks_memory else found
 
 
 def _result(
@@ -128,11 +135,13 @@ def _row(step: StepRecord) -> dict[str, Any]:
 
 
 def _bound_memory(most: float | None) -> None:
-    """Let this process take no more memory than this [GiB]; without a bound where the system knows none."""
-    if most is not None and sys.platform != "win32":
+    """Let this process take no more memory than this [GiB] besides what its libraries have; Linux knows such a bound.
+    """
+    if most is not None and sys.platform == "linux":
         import resource
 
-        resource.setrlimit(resource.RLIMIT_AS, (int(most * 2**30), int(most * 2**30)))
+        reserved = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+        resource.setrlimit(resource.RLIMIT_AS, (reserved + int(most * 2**30),) * 2)
 
 
 def _most_memory() -> float | None:

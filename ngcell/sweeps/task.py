@@ -25,7 +25,7 @@ class Task:
     minutes : float, optional
         Time on the clock after which the run ends.
     memory : float, optional
-        Memory that its process may take [GiB].
+        Memory that its process may take besides its libraries [GiB].
     attempt : int
         How often it has been tried, this time included.
     """

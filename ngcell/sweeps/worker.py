@@ -35,7 +35,7 @@ def run_task(task: Task) -> Result:
         file = Path(folder) / RESULT
         if file.exists():
             found: Result = json.loads(file.read_text(encoding="utf-8"))
-            return found
+            return {**found, "seconds": perf_counter() - started}
         ending, detail = _how_it_died(code, _last_line(Path(folder) / "errors"))
         return died(task, ending, detail, perf_counter() - started)
 

@@ -153,7 +153,7 @@ def test_runs_that_fail_are_rows_with_their_outcome(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("head", "memory", "outcome"), [("minutes = 0.0001\n", None, "out-of-time"), ("", 0.15, "out-of-memory")]
+    ("head", "memory", "outcome"), [("minutes = 0.0001\n", None, "out-of-time"), ("", 0.02, "out-of-memory")]
 )
 def test_time_and_memory_end_a_run_with_a_name(head, memory, outcome, tmp_path):
     file = tmp_path / "study.toml"
