@@ -1,4 +1,4 @@
-"""`ngcell schema`: what a case file may say, for editors and other programs."""
+"""`ngcell schema`: what a case file or a study may say, for editors and other programs."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ import click
 
 
 @click.command()
-def schema() -> None:
+@click.option("--study", is_flag=True, help="That of a study, which `ngcell sweep` takes, instead.")
+def schema(study: bool) -> None:
     """Print the JSON schema of a case file."""
-    from ngcell.scene import schema as case_schema
+    from ngcell.scene.vocabulary import schema as case_schema
+    from ngcell.scene.vocabulary import study_schema
 
-    click.echo(json.dumps(case_schema(), indent=2))
+    click.echo(json.dumps(study_schema() if study else case_schema(), indent=2))

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ngcell.errors import CaseError
+from ngcell.scene.dotted import key_path
 from ngcell.scene.lines import KeyPath
 
 
@@ -61,12 +62,6 @@ def with_settings(table: dict[str, Any], settings: Sequence[Setting]) -> dict[st
     for setting in settings:
         table = _replaced(table, setting.path, setting)
     return table
-
-
-def key_path(dotted: str) -> KeyPath | None:
-    """Return the path that a dotted key means; None if it is none."""
-    parts = [part.strip() for part in dotted.split(".")]
-    return tuple(int(part) if part.isdecimal() else part for part in parts) if all(parts) else None
 
 
 def _parse(override: str) -> Setting:

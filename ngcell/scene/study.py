@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, Strict, field_validator
+from pydantic import BaseModel, BeforeValidator, Strict, ValidationInfo, field_validator
 
 from ngcell.scene.choice import OneOf
-from ngcell.scene.overrides import key_path
+from ngcell.scene.dotted import flattened, joined, key_path
 from ngcell.scene.scope import refuse
 from ngcell.scene.section import SECTION, PositiveNumber
 
@@ -17,28 +17,9 @@ Axis = Annotated[Any, OneOf("axis")]
 _TRUNK = "key of the case, as in tissue.wall"
 
 
-def flattened(table: Any) -> Any:
-    """Return a table of tables as one with dotted keys; a table that names its kind is a value.
-
-    TOML reads ``tissue.wall = 0.1`` as a table in a table.
-    """
-    return _flat(table, lambda value: "kind" in value)
-
-
-def _flat(table: Any, is_value: Callable[[Mapping[str, Any]], bool], before: str = "") -> Any:
-    if not isinstance(table, Mapping):
-        return table
-    found: dict[str, Any] = {}
-    for key, value in table.items():
-        name = f"{before}{key}"
-        inner = isinstance(value, Mapping) and value and not is_value(value)
-        found.update(_flat(value, is_value, f"{name}.") if inner else {name: value})
-    return found
-
-
 def named_axes(table: Any) -> Any:
     """Return axes by name, and a list as the grid that it stands for."""
-    found = _flat(table, _is_axis)
+    found = joined(table, _is_axis)
     if not isinstance(found, dict):
         return found
     return {
@@ -90,17 +71,17 @@ class Study(BaseModel):
 
     @field_validator("axes")
     @classmethod
-    def _each_key_once(cls, axes: dict[str, Any]) -> dict[str, Any]:
+    def _each_key_once(cls, axes: dict[str, Any], info: ValidationInfo) -> dict[str, Any]:
         if not axes:
             refuse("there is none; allowed: at least one, as in tissue.wall = [0.05, 0.1]")
-        owner: dict[str, str] = {}
+        owner = dict.fromkeys(info.data.get("set", ()), "set")
         for name, axis in axes.items():
             for key in axis.keys(name):
                 if key_path(key) is None:
                     refuse("{key} is no key; allowed: a dotted {what}", name, key=repr(key), what=_TRUNK)
                 if key in owner:
-                    refuse("{key} varies along {other} already; allowed: one axis a key", name, key=key,
-                           other=owner[key])  # fmt: skip
+                    said = {"key": key, "other": owner[key]}
+                    refuse("{key} is in {other} already; allowed: one axis a key, or set", name, **said)
                 owner[key] = name
         return axes
 

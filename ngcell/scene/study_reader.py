@@ -11,10 +11,11 @@ from pydantic import ValidationError
 from ngcell.errors import CaseError
 from ngcell.scene.catalogue import case_in, find_study
 from ngcell.scene.complaint import CaseText, complaints
+from ngcell.scene.dotted import flattened, key_path
 from ngcell.scene.inheritance import read_toml
 from ngcell.scene.lines import KeyPath, Place, key_lines, place_of
-from ngcell.scene.overrides import Setting, key_path
-from ngcell.scene.study import Study, flattened, named_axes
+from ngcell.scene.overrides import Setting
+from ngcell.scene.study import Study, named_axes
 
 _FILE = "tissue.file"
 

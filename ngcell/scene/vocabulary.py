@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from functools import cache
 from typing import Any
 
@@ -71,8 +72,13 @@ def _in_part(node: Any) -> Any:
 
 
 def study_schema() -> Node:
-    """Return the JSON schema of a study."""
-    return {"$schema": _DRAFT, **_schema_of_study(registered())}
+    """Return the JSON schema of a study: an axis is also a list, or a table of tables, as TOML reads a dotted key."""
+    node = deepcopy(_schema_of_study(registered()))
+    axes = node["properties"]["axes"]
+    named = {"type": "object", "required": ["kind"]}
+    other = {"type": ["array", "object"]}
+    axes["additionalProperties"] = {"if": named, "then": axes["additionalProperties"], "else": other}
+    return {"$schema": _DRAFT, **node}
 
 
 def node_at(path: KeyPath, table: Any, section: str | None = None) -> Node:

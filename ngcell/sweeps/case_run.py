@@ -19,7 +19,6 @@ from threading import Thread
 from time import process_time
 from typing import Any
 
-import ngcell
 from ngcell.errors import CaseError, GeometryError, NgcellError, NotConverged, TooLarge
 from ngcell.export.summary import failed_checks
 from ngcell.results.record import StepRecord
@@ -28,10 +27,9 @@ from ngcell.run import record
 from ngcell.scene import AnyCase, read_case
 from ngcell.solve.outcome import Outcome
 from ngcell.sweeps.ending import Ending
-from ngcell.sweeps.identity import content_key
+from ngcell.sweeps.identity import content_key, own_version
 from ngcell.sweeps.store import Result
 from ngcell.sweeps.task import OTHER_CODE, RESULT, Task
-
 
 #: Endings by the errors that stand for them; the first that fits counts.
 _OF_ERRORS = {
@@ -69,7 +67,7 @@ def run(task: Task, folder: Path) -> Result:
         "processor_seconds": process_time(),  # with the imports
         "memory_gib": _most_memory(),
         "host": socket.gethostname(),
-        "ngcell": ngcell.__version__,
+        "ngcell": own_version(),
         "ngsolve": version("ngsolve"),
     }
 

@@ -6,9 +6,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, Field, field_validator
 
+from ngcell.scene.dotted import flattened
 from ngcell.scene.scope import refuse
 from ngcell.scene.section import SECTION, PositiveCount
-from ngcell.scene.study import flattened
 from ngcell.sweeps.axes import Interval, Seed
 from ngcell.sweeps.axis import Point
 

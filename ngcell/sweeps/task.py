@@ -8,7 +8,8 @@ from dataclasses import dataclass
 RESULT = "result.json"
 #: What a run says whose worker would compute something else.
 OTHER_CODE = (
-    "the worker has another ngcell, NGSolve or tissue file than the sweep; give all workers the same environment"
+    "the worker has another ngcell, NGSolve or tissue file than the sweep; give all workers the same environment, and "
+    "leave it as it is while a sweep runs"
 )
 
 

@@ -13,8 +13,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
 
-import ngcell
 from ngcell.sweeps.ending import Ending
+from ngcell.sweeps.identity import SOURCE, own_version
 from ngcell.sweeps.store import Result
 from ngcell.sweeps.task import RESULT, Task
 
@@ -42,13 +42,14 @@ def run_task(task: Task) -> Result:
 
 def _run(task: Task, folder: str) -> int:
     """Run a task with its files in a folder, and return the code with which its process ends."""
-    source = str(Path(ngcell.__file__).parents[1])
+    source = str(SOURCE)
     paths = os.pathsep.join([source, *filter(None, [os.environ.get("PYTHONPATH")])])
     limit = None if task.minutes is None else _PATIENCE * 60 * task.minutes + _GRACE
     with (Path(folder) / "errors").open("wb") as errors:
         process = subprocess.Popen(
             [sys.executable, "-c", _PROGRAM, folder],
             env={**os.environ, **_ONE_THREAD, "PYTHONPATH": paths},
+            start_new_session=True,  # Ctrl-C is for the driver; where that ends, its workers and their runs follow
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
             stderr=errors,
@@ -81,7 +82,7 @@ def died(task: Task, ending: Ending, detail: str, seconds: float = 0.0) -> Resul
         "processor_seconds": None,
         "memory_gib": None,
         "host": socket.gethostname(),
-        "ngcell": ngcell.__version__,
+        "ngcell": own_version(),
         "ngsolve": None,
     }
 

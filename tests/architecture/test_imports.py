@@ -41,7 +41,7 @@ NARROW = {
 SOLVING = {"build", "recording", "run", "ensemble", "sweeps"}
 
 #: Modules of the scene that kinds may know, wherever they stand: what sections are made of. No case, no reader.
-SECTIONS = {"bodies", "choice", "entries", "levels", "scope", "section"}
+SECTIONS = {"bodies", "choice", "dotted", "entries", "levels", "scope", "section"}
 #: Rooms that may know less of the scene.
 SECTIONS_OF = {"solve": {"section"}}
 

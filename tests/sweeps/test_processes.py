@@ -123,6 +123,24 @@ def test_what_is_killed_costs_its_one_case_which_is_tried_again(victims, undistu
         assert sorted(table.groupby("case")["attempts"].first()) == [1] * (CASES - 1) + [2]
 
 
+def test_ctrl_c_keeps_what_has_ended_and_writes_its_table(undisturbed, tmp_path):
+    folder, expected = undisturbed
+    words = ("ngcell", "sweep", str(folder / "study.toml"), "--out", str(tmp_path / "out"), "--workers", "1")
+    with started(*words) as driver:
+        until(lambda: results(tmp_path))
+        others = driver.children(recursive=True)
+        driver.send_signal(signal.SIGINT)
+        said, _ = driver.communicate(timeout=60)
+        until(lambda: all(is_gone(one) for one in others))
+    assert driver.returncode == 4
+    table = read_sweep(tmp_path / "out")
+    ended = table["case"].nunique()
+    assert 1 <= ended < CASES
+    assert f"stopped by Ctrl-C; {ended} of {CASES} cases have ended" in said.splitlines()[-1]
+    same = expected[expected["case"].isin(table["case"])].reset_index(drop=True)
+    pandas.testing.assert_frame_equal(numbers(table), numbers(same))
+
+
 def test_a_scheduler_and_two_workers_started_by_hand_serve_a_sweep(undisturbed, tmp_path):
     folder, expected = undisturbed
     address_file, here = tmp_path / "scheduler.json", ("--host", "127.0.0.1", "--no-dashboard")

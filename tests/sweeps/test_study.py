@@ -14,7 +14,6 @@ from ngcell.cli import ngcell as command
 from ngcell.errors import CaseError
 from ngcell.scene.study import Study
 from ngcell.scene.study_reader import WrittenStudy, read_study
-from ngcell.scene.vocabulary import study_schema
 from ngcell.sweeps.cases import Cases
 from ngcell.sweeps.identity import content_key
 from tests.sweeps.conftest import SMALL
@@ -101,9 +100,10 @@ def test_a_name_of_a_result_changes_with_the_file_that_the_case_names(tmp_path):
 
 
 def test_the_schema_of_a_study_lists_its_keys_and_axes():
-    node = study_schema()
+    answer = CliRunner().invoke(command, ["schema", "--study"])
+    node = json.loads(answer.stdout)
     assert node["required"] == ["case", "axes"]
-    kinds = node["properties"]["axes"]["additionalProperties"]["discriminator"]["mapping"]
+    kinds = node["properties"]["axes"]["additionalProperties"]["then"]["discriminator"]["mapping"]
     assert {"grid", "range", "log-range", "random", "zip", "latin-hypercube"} == set(kinds)
 
 
@@ -120,8 +120,9 @@ WRONG = {
     ),
     "one key twice": (
         "[axes]\ntissue.wall = [0.1]\nb = { kind = 'zip', values = { tissue.wall = [0.2] } }",
-        (":12: axes.b: tissue.wall varies along tissue.wall already",),
+        (":12: axes.b: tissue.wall is in tissue.wall already",),
     ),
+    "set as well": ("[axes]\nmesh.order = [1, 2]", (":11: axes.mesh.order: mesh.order is in set already",)),
     "no such kind": (
         "[axes]\ntissue.wall = { kind = 'rnage', start = 0.1, stop = 0.2, number = 3 }",
         (':11: axes.tissue.wall.kind = "rnage"', "did you mean range?"),
