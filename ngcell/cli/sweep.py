@@ -67,11 +67,14 @@ def sweep(
             for ended in runs:
                 show(ended)
     except KeyboardInterrupt:
-        _give_up("stopped by Ctrl-C", runs)
+        ended = f"{sum(runs.outcomes.values())} of {len(runs.cases)}"
+        note(f"stopped by Ctrl-C; {ended} cases have ended, kept in {folder}; start again for the rest")
+        sys.exit(NotConverged.exit_code)
     for line in summary_lines(runs):
         click.echo(line)
     if not runs.certified:
-        _give_up("not all runs are certified", runs)
+        note(f"not all runs are certified; {runs.out / 'sweep.csv'} tells of each how it ended")
+        sys.exit(NotConverged.exit_code)
 
 
 def outlook_lines(outlook: Outlook, workers: int | None) -> Iterator[str]:
@@ -99,9 +102,3 @@ def summary_lines(runs: Sweep) -> Iterator[str]:
     yield f"cases        {len(runs.cases)}: {ways}"
     yield f"run          {runs.computed} now, {runs.reused} were in the store"
     yield f"table        {runs.out / 'sweep.parquet'}, sweep.csv"
-
-
-def _give_up(reason: str, runs: Sweep) -> None:
-    ended = sum(runs.outcomes.values())
-    note(f"{reason}; {ended} of {len(runs.cases)} cases have ended, kept in {runs.out}; start again for the rest")
-    sys.exit(NotConverged.exit_code)

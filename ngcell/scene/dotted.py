@@ -19,16 +19,16 @@ def flattened(table: Any) -> Any:
 
     TOML reads ``tissue.wall = 0.1`` as a table in a table.
     """
-    return joined(table, lambda value: "kind" in value)
+    return joined(table, lambda name, value: "kind" in value)
 
 
-def joined(table: Any, is_value: Callable[[Mapping[str, Any]], bool], before: str = "") -> Any:
+def joined(table: Any, is_value: Callable[[str, Mapping[str, Any]], bool], before: str = "") -> Any:
     """Return a table of tables as one with dotted keys, down to tables that are values; anything else as it is."""
     if not isinstance(table, Mapping):
         return table
     found: dict[str, Any] = {}
     for key, value in table.items():
         name = f"{before}{key}"
-        inner = isinstance(value, Mapping) and value and not is_value(value)
+        inner = isinstance(value, Mapping) and value and not is_value(name, value)
         found.update(joined(value, is_value, f"{name}.") if inner else {name: value})
     return found

@@ -28,7 +28,7 @@ def named_axes(table: Any) -> Any:
     }
 
 
-def _is_axis(table: Mapping[str, Any]) -> bool:
+def _is_axis(name: str, table: Mapping[str, Any]) -> bool:
     """Return whether a table is an axis, if only one that lacks its kind: no axis is a mere number or text."""
     return "kind" in table or not all(isinstance(value, (Mapping, list, tuple, BaseModel)) for value in table.values())
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Container
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ from pydantic import ValidationError
 from ngcell.errors import CaseError
 from ngcell.scene.catalogue import case_in, find_study
 from ngcell.scene.complaint import CaseText, complaints
-from ngcell.scene.dotted import flattened, key_path
+from ngcell.scene.dotted import flattened, joined, key_path
 from ngcell.scene.inheritance import read_toml
 from ngcell.scene.lines import KeyPath, Place, key_lines, place_of
 from ngcell.scene.overrides import Setting
@@ -69,6 +70,8 @@ def read_study(path: Path | str) -> WrittenStudy:
         table, text = read_toml(file, shown)
         places = {path: Place(shown, line) for path, line in key_lines(text).items()}
         places |= {(path[0], ".".join(map(str, path[1:]))): place for path, place in places.items() if len(path) > 1}
+        if "set" in table:
+            table["set"] = _as_set(table["set"], places)
         table = _located(table, file.parent)
         return WrittenStudy(Study.model_validate(table), shown, places)
     except RecursionError:
@@ -77,9 +80,15 @@ def read_study(path: Path | str) -> WrittenStudy:
         raise CaseError("\n".join(complaints(error, CaseText(shown, table, places, {}, Study.__name__)))) from None
 
 
+def _as_set(fixed: Any, places: Container[KeyPath]) -> Any:
+    """Return what is set by the keys that the file spells out: ``tissue.kind = "voronoi"`` sets one key, where
+    ``tissue = { kind = "voronoi" }`` sets the whole table."""
+    return joined(fixed, lambda name, table: not any(("set", f"{name}.{key}") in places for key in table))
+
+
 def _located(table: dict[str, Any], folder: Path) -> dict[str, Any]:
     """Return what a study in this folder says, with dotted keys and with paths from anywhere."""
-    read = {"set": flattened, "axes": named_axes}
+    read: dict[str, Callable[[Any], Any]] = {"set": flattened, "axes": named_axes}
     found = {name: read[name](value) if name in read else value for name, value in table.items()}
     if isinstance(table.get("case"), str) and (file := case_in(folder / table["case"])) is not None:
         found["case"] = str(file)

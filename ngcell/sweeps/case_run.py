@@ -65,6 +65,7 @@ def run(task: Task, folder: Path) -> Result:
         **_ended(task, folder),
         "attempts": task.attempt,
         "processor_seconds": process_time(),  # with the imports
+        "waited_seconds": _waited(),
         "memory_gib": _most_memory(),
         "host": socket.gethostname(),
         "ngcell": own_version(),
@@ -140,6 +141,13 @@ def _bound_memory(most: float | None) -> None:
 
         reserved = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
         resource.setrlimit(resource.RLIMIT_AS, (reserved + int(most * 2**30),) * 2)
+
+
+def _waited() -> float | None:
+    """Return how long this process was ready to run and had no core [s]; None where the system does not tell."""
+    with suppress(OSError, ValueError, IndexError):
+        return int(Path("/proc/self/schedstat").read_text().split()[1]) / 1e9
+    return None
 
 
 def _most_memory() -> float | None:

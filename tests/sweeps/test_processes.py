@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pandas
 import psutil
@@ -17,7 +18,8 @@ import pytest
 
 from ngcell.sweeps.sweep import Sweep, SweepOptions, read_sweep
 from ngcell.sweeps.table import PROVENANCE
-from tests.sweeps.conftest import SMALL
+from ngcell.sweeps.task import Task
+from tests.sweeps.conftest import SMALL, pretend
 
 CASES = 6
 
@@ -121,6 +123,23 @@ def test_what_is_killed_costs_its_one_case_which_is_tried_again(victims, undistu
     pandas.testing.assert_frame_equal(numbers(table), numbers(expected))
     if victims is runs_of:
         assert sorted(table.groupby("case")["attempts"].first()) == [1] * (CASES - 1) + [2]
+
+
+def thin_ones_kill_their_worker(task: Task) -> dict[str, Any]:
+    if "wall = 0.08" in task.text:
+        os._exit(1)
+    return pretend(task)
+
+
+def test_a_case_that_kills_each_worker_that_takes_it_costs_itself_only(undisturbed, tmp_path):
+    folder, _ = undisturbed
+    options = SweepOptions(workers=1, function=thin_ones_kill_their_worker)
+    runs = Sweep(folder / "study.toml", tmp_path / "out", options)
+    for _ in runs:
+        pass
+    assert runs.outcomes == {"killed": 2, "certified": 4}
+    rows = runs.table().groupby("case").first()
+    assert set(rows[rows["tissue.wall"] == 0.08]["attempts"]) == {2}
 
 
 def test_ctrl_c_keeps_what_has_ended_and_writes_its_table(undisturbed, tmp_path):

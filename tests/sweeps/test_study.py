@@ -78,6 +78,20 @@ def test_a_table_with_a_kind_takes_the_place_of_a_part_of_the_case():
     assert [found.case(number).lumen.kind for number in range(2)] == ["pressure", "fluid"]
 
 
+def test_a_key_is_set_alone_and_a_table_with_its_kind_as_a_whole(tmp_path):
+    file = tmp_path / "study.toml"
+    tissue = "tissue.kind = 'perturbed'\ntissue.spread = 0.02\n"
+    axes = "[axes]\ntissue.seed = [1, 2]\n"
+    file.write_text(f"case = 'shear-filled'\n[set]\n{tissue}lumen = {{ kind = 'fluid' }}\n{axes}")
+    case = Cases(read_study(file)).case(1)
+    assert (case.tissue.kind, case.tissue.spread, case.tissue.seed, case.tissue.rows) == ("perturbed", 0.02, 2, 5)
+    assert case.lumen.kind == "fluid"
+    axes = "[axes]\nmaterial.c1 = [1.0]\n"
+    file.write_text(f"case = 'shear-empty'\nset.load.levels = 3\n[set.tissue]\nwall = 0.07\n{axes}")
+    case = Cases(read_study(file)).case(0)
+    assert (case.load.levels, case.tissue.wall, case.tissue.cols) == (3, 0.07, 7)
+
+
 def test_files_that_a_study_names_are_beside_it(tmp_path, monkeypatch):
     (tmp_path / "own.toml").write_text('extends = "shear-empty-3x3"\ntissue.wall = 0.07\n')
     file = tmp_path / "study.toml"
@@ -105,6 +119,12 @@ def test_the_schema_of_a_study_lists_its_keys_and_axes():
     assert node["required"] == ["case", "axes"]
     kinds = node["properties"]["axes"]["additionalProperties"]["then"]["discriminator"]["mapping"]
     assert {"grid", "range", "log-range", "random", "zip", "latin-hypercube"} == set(kinds)
+
+
+@pytest.mark.parametrize("name", ["wall-and-pressure", "irregular"])
+def test_shipped_studies_are_found_by_name_and_their_cases_are_cases(name):
+    found = Cases(read_study(name))
+    assert len({content_key(found.case(number)) for number in range(len(found))}) == len(found) >= 30
 
 
 #: What is wrong: text of the study (after its head), and words of the one line.

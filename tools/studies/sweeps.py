@@ -58,13 +58,15 @@ def use_of_cores(name: str, out: Path) -> dict[str, Any]:
     """Return how far a study keeps the cores of this machine busy.
 
     `cores_share` is the processor time of the runs over that of all cores; where other programs run, they take from
-    it. `workers_share` is the time that workers had a run over the time that the sweep took, and `machine_share` what
-    the system tells of all programs.
+    it. `wanted_share` adds the time for which runs were ready and another program had the core: what runs would have
+    used alone. `workers_share` is the time that workers had a run over the time that the sweep took, and
+    `machine_share` what the system tells of all programs.
     """
     cores = psutil.cpu_count() or 1
     runs, before, started = Sweep(name, out), psutil.cpu_times(), perf_counter()
     found = [ended.result for ended in runs]
     clock, after = perf_counter() - started, psutil.cpu_times()
+    used = _share(found, "processor_seconds", cores * clock)
     idle_time = after.idle - before.idle + getattr(after, "iowait", 0.0) - getattr(before, "iowait", 0.0)
     return {
         "study": name,
@@ -73,14 +75,15 @@ def use_of_cores(name: str, out: Path) -> dict[str, Any]:
         "certified": runs.outcomes["certified"],
         "cores": cores,
         "seconds": round(clock, 2),
-        "cores_share": _share(found, "processor_seconds", cores * clock),
+        "cores_share": used,
+        "wanted_share": round(used + _share(found, "waited_seconds", cores * clock), 3),
         "workers_share": _share(found, "seconds", cores * clock),
         "machine_share": round(1 - idle_time / (cores * clock), 3),
     }
 
 
 def _share(results: Sequence[dict[str, Any]], column: str, of: float) -> float:
-    return round(sum(result[column] or 0.0 for result in results) / of, 3)
+    return round(sum(result.get(column) or 0.0 for result in results) / of, 3)
 
 
 def _keep(name: str, rows: Sequence[dict[str, Any]]) -> None:
