@@ -67,8 +67,8 @@ def sweep(
             for ended in runs:
                 show(ended)
     except KeyboardInterrupt:
-        ended = f"{sum(runs.outcomes.values())} of {len(runs.cases)}"
-        note(f"stopped by Ctrl-C; {ended} cases have ended, kept in {folder}; start again for the rest")
+        counted = f"{sum(runs.outcomes.values())} of {len(runs.cases)}"
+        note(f"stopped by Ctrl-C; {counted} cases have ended, kept in {folder}; start again for the rest")
         sys.exit(NotConverged.exit_code)
     for line in summary_lines(runs):
         click.echo(line)
