@@ -1,7 +1,8 @@
 """Tasks to Dask workers in bounded windows, results back as they come.
 
 Only so many tasks are on their way as keep the workers busy, so that neither the driver nor the scheduler grows with
-the number of cases.
+the number of cases. Workers that are started here get one task a thread: where one dies, nothing else was waiting
+there. On a cluster that exists further ones wait, for workers that may still join.
 """
 
 from __future__ import annotations
@@ -29,8 +30,8 @@ Function = Callable[[Task], Result]
 #: Endings after which a case is tried once more.
 _TRIED_AGAIN = {ending.told for ending in (Ending.KILLED, Ending.OUT_OF_MEMORY, Ending.FAILED)}
 _TRIES = 2
-#: Tasks on their way for each thread of the cluster, and besides.
-_WINDOW, _BESIDES = 2, 2
+#: Tasks that wait on a cluster that exists.
+_WAITING = 32
 
 
 @contextmanager
@@ -66,7 +67,7 @@ def connected(scheduler: str | None, workers: int | None) -> Iterator[Any]:
 
 def _cluster(distributed: Any, workers: int, folder: str) -> Any:
     settings = {
-        "distributed.scheduler.allowed-failures": _TRIES - 1,
+        "distributed.scheduler.allowed-failures": 0,  # the driver tries again
         "distributed.worker.memory.terminate": False,  # runs are processes of their own: Dask does not see their memory
     }
     needed("dask").config.set(settings)
@@ -93,15 +94,31 @@ def threads_of(client: Any) -> int:
     return max(1, sum(int(count) for count in client.nthreads().values()))
 
 
-def finished(tasks: Iterable[Task], client: Any, function: Function) -> Iterator[Result]:
+def waiting_on(scheduler: str | None) -> int:
+    """Return how many tasks may wait for workers."""
+    return 0 if scheduler is None else _WAITING
+
+
+def finished(tasks: Iterable[Task], client: Any, function: Function, waiting: int) -> Iterator[Result]:
     """Yield the result of each task as it ends; one whose process dies is tried once more.
+
+    Parameters
+    ----------
+    tasks : iterable of Task
+        Taken as workers need them.
+    client : distributed.Client
+        The cluster.
+    function : callable
+        What a worker does with a task.
+    waiting : int
+        Tasks on their way besides one for each thread of the workers.
 
     Raises
     ------
     OutputError
         The scheduler is gone, or a worker would compute something else.
     """
-    distributed, waiting, sweep = needed("distributed"), iter(tasks), uuid4().hex[:8]
+    distributed, left, sweep = needed("distributed"), iter(tasks), uuid4().hex[:8]
     tried: dict[str, Task] = {}
     running = distributed.as_completed(loop=client.loop)
 
@@ -111,8 +128,8 @@ def finished(tasks: Iterable[Task], client: Any, function: Function) -> Iterator
         running.add(client.submit(function, task, key=name, pure=False))
 
     def fill() -> None:
-        while len(tried) < _WINDOW * threads_of(client) + _BESIDES:
-            task = next(waiting, None)
+        while len(tried) < threads_of(client) + waiting:
+            task = next(left, None)
             if task is None:
                 return
             submit(task)
@@ -141,5 +158,5 @@ def _result_of(future: Any, task: Task) -> Result:
             raise OutputError(f"{result['host']}: {OTHER_CODE}")
         return result
     if type(error).__name__ == "KilledWorker":
-        return died(replace(task, attempt=_TRIES), Ending.KILLED, "each worker that ran it died")
+        return died(task, Ending.KILLED, "the worker that ran it died")
     return died(task, Ending.FAILED, f"{type(error).__name__}: {error}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from math import ceil
 from statistics import median
@@ -11,6 +12,7 @@ from time import perf_counter
 from ngcell.build.discretisation import user_defined
 from ngcell.build.foreseen import Foreseen, foreseen
 from ngcell.build.stages import stages_of
+from ngcell.errors import CaseError
 from ngcell.scene import AnyCase, BodyCase
 
 #: Meshes that most steps come to where errors are estimated: that of the load path, and two finer ones.
@@ -84,7 +86,8 @@ class Costs:
         cost = None
         if self._spent < _PATIENCE:
             started = perf_counter()
-            cost = cost_of(case)
+            with suppress(CaseError):  # bodies that have no size: their run tells it
+                cost = cost_of(case)
             self._spent += perf_counter() - started
         if cost is not None:
             self._note(cost)

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from random import sample
 from time import monotonic
 from typing import Any
 
@@ -17,7 +18,7 @@ from ngcell.scene import resolved_toml
 from ngcell.scene.study import Study
 from ngcell.scene.study_reader import WrittenStudy, read_study
 from ngcell.sweeps.cases import Cases
-from ngcell.sweeps.driver import Function, connected, finished, threads_of
+from ngcell.sweeps.driver import Function, connected, finished, threads_of, waiting_on
 from ngcell.sweeps.ending import Ending
 from ngcell.sweeps.extra import needed
 from ngcell.sweeps.foresee import Costs, Outlook, outlook
@@ -153,24 +154,29 @@ class Sweep:
             lock.release()
 
     def _run(self, store: Store) -> Iterator[Ended]:
-        started, missing, status = monotonic(), self.missing(store), "stopped"
-        pace = Pace(sum(self.costs.seconds[number] for number in missing))
-        self.reused = len([key for key in self._keys if key]) - len(missing)
+        waiting, status = {self._keys[number]: number for number in self.missing(store)}, "stopped"
+        self.reused = len([key for key in self._keys if key]) - len(waiting)
         try:
-            if missing:
+            if waiting:
                 with connected(self.options.scheduler, self.options.workers) as client:
-                    pace.threads = threads_of(client)
-                    number_of = {self._keys[number]: number for number in missing}
-                    for result in finished(self._tasks(missing), client, self.options.function):
-                        store.write(result)
-                        self.computed += 1
-                        number = number_of.pop(result["key"])
-                        pace.ended(self.costs.seconds[number], monotonic() - started)
-                        yield Ended(number, result, len(self.cases) - len(number_of), len(self.cases), pace.left)
+                    yield from self._ended(waiting, store, client)
             status = "finished"
         finally:
             self._table.write(self.out, self._rows(store))
             self._note(status)
+
+    def _ended(self, waiting: dict[str, int], store: Store, client: Any) -> Iterator[Ended]:
+        """Yield runs as they end, and take each from those that wait: numbers of cases by the names of their results.
+        """
+        started, pace = monotonic(), Pace(sum(self.costs.seconds[number] for number in waiting.values()))
+        pace.threads = threads_of(client)
+        ahead = waiting_on(self.options.scheduler)
+        for result in finished(self._tasks(waiting, store), client, self.options.function, ahead):
+            store.write(result)
+            self.computed += 1
+            number = waiting.pop(result["key"])
+            pace.ended(self.costs.seconds[number], monotonic() - started)
+            yield Ended(number, result, len(self.cases) - len(waiting), len(self.cases), pace.left)
 
     def outlook(self) -> Outlook:
         """Return what is left to be run, and what it takes; nothing is written."""
@@ -193,18 +199,28 @@ class Sweep:
         for number in range(len(self.cases)):
             try:
                 case = self.cases.case(number)
-                self._keys.append(content_key(case))
-                self.costs.add(case)
             except CaseError as error:
                 self.refused[number] = str(error)
                 self._keys.append("")
                 self.costs.skip()
+            else:
+                self._keys.append(content_key(case))
+                self.costs.add(case)
         self.cases.check(self.refused)
 
-    def _tasks(self, numbers: list[int]) -> Iterator[Task]:
-        minutes, memory = self.written.study.minutes, self.options.memory
-        for number in numbers:
-            yield Task(self._keys[number], resolved_toml(self.cases.case(number)), minutes, memory)
+    def _tasks(self, waiting: dict[str, int], store: Store) -> Iterator[Task]:
+        """Yield a task for each case that waits, unless another sweep has run it meanwhile.
+
+        They come in any order: those that have run tell how long the others take, and of two sweeps that share a store
+        each meets what the other has run.
+        """
+        for key, number in sample(list(waiting.items()), len(waiting)):
+            if store.holds(key):
+                del waiting[key]
+                self.reused += 1
+            else:
+                text = resolved_toml(self.cases.case(number))
+                yield Task(key, text, self.written.study.minutes, self.options.memory)
 
     def _rows(self, store: Store) -> Iterator[Row]:
         self.outcomes.clear()

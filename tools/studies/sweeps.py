@@ -1,4 +1,4 @@
-"""What a sweep costs beside its runs: the memory of its driver, and how far its runs keep the cores busy.
+"""What a sweep takes beside its runs: memory, and cores that wait.
 
 python -m tools.studies sweeps rows --number 10000       many runs that do nothing: memory of driver and scheduler
 python -m tools.studies sweeps cores wall-and-pressure   a study that really runs: share of the cores, and run again
