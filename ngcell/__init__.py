@@ -57,10 +57,13 @@ if TYPE_CHECKING:
         read_case,
         register,
     )
+    from ngcell.scene.study import Study
     from ngcell.solve.options import SolverOptions
     from ngcell.solve.strategies.load_stepping import LoadStepping
     from ngcell.solve.strategies.sddp import Sddp
     from ngcell.solve.strategies.single_step import SingleStep
+    from ngcell.sweeps.arrays import table_to_xarray
+    from ngcell.sweeps.sweep import read_sweep, sweep
 
 __version__ = "0.2.0"
 
@@ -110,10 +113,13 @@ _PLACES = {
         "Body", "BodyCase", "BodyExpected", "BodyMeshChoice", "BodyScene", "BodySupport", "Case", "Expected",
         "MeshChoice", "Refinement", "read_case", "register",
     ),
+    "ngcell.scene.study": ("Study",),
     "ngcell.solve.options": ("SolverOptions",),
     "ngcell.solve.strategies.load_stepping": ("LoadStepping",),
     "ngcell.solve.strategies.sddp": ("Sddp",),
     "ngcell.solve.strategies.single_step": ("SingleStep",),
+    "ngcell.sweeps.arrays": ("table_to_xarray",),
+    "ngcell.sweeps.sweep": ("read_sweep", "sweep"),
 }  # fmt: skip
 _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
 
@@ -168,6 +174,7 @@ __all__ = [
     "SingleStep",
     "SolverOptions",
     "Step",
+    "Study",
     "Support",
     "Term",
     "Tissue",
@@ -177,10 +184,13 @@ __all__ = [
     "inspect",
     "members",
     "read_case",
+    "read_sweep",
     "record",
     "register",
     "resume",
     "simulate",
+    "sweep",
+    "table_to_xarray",
 ]
 
 

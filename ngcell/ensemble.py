@@ -24,7 +24,7 @@ from ngcell.export import (
     restore_case,
     spread_table,
 )
-from ngcell.export.summary import CASE_TEXT, MEMBERS
+from ngcell.export.summary import CASE_TEXT, MEMBERS, failed_checks
 from ngcell.recording import RecordingOptions
 from ngcell.results.record import StepRecord
 from ngcell.results.spread import Member, Spread, at_levels, spreads
@@ -279,7 +279,7 @@ def _member(
 ) -> Member:
     """Return a member that has ended with a summary."""
     certified, outcome = bool(summary.get("certified")), str(summary.get("outcome"))
-    checks = dict.fromkeys(name for names in (summary.get("failed_steps") or {}).values() for name in names)
+    checks = failed_checks(summary)
     if checks and not certified:
         outcome = f"{outcome.partition(';')[0]}: {', '.join(checks)}"
     return Member(number, seed, outcome, certified, at_levels(history, factors))

@@ -4,7 +4,8 @@
 
     NgcellError                 an error that names the thing, the value, the limit and the remedy
     ├── CaseError               the case cannot be simulated as written                      exit 3
-    │   └── GeometryError       its shape cannot be built or meshed                          exit 3
+    │   ├── GeometryError       its shape cannot be built or meshed                          exit 3
+    │   └── TooLarge            the memory of this machine is too small for it               exit 3
     ├── NotConverged            the load stepping ended before the last level            exit 4
     ├── OutputError             results cannot be written to, or read from, a folder         exit 4
     └── DependencyError         an installed library is missing or cannot do what is needed  exit 4
@@ -33,6 +34,10 @@ class CaseError(NgcellError):
 
 class GeometryError(CaseError):
     """The shape that a case describes cannot be built or meshed."""
+
+
+class TooLarge(CaseError):  # noqa: N818 - named as what is reported, not as a mistake
+    """The memory of this machine is too small for the case."""
 
 
 class NotConverged(NgcellError):  # noqa: N818 - named as what is reported, not as a mistake

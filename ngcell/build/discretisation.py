@@ -71,7 +71,7 @@ def discretise(scene: Case | BodyCase | BodyScene) -> Discretisation:
         check_magnitudes(scene)
     if isinstance(scene, Case):
         return _tissue(scene)
-    return _bodies(_user_defined(scene) if isinstance(scene, BodyCase) else scene)
+    return _bodies(user_defined(scene) if isinstance(scene, BodyCase) else scene)
 
 
 def _tissue(case: Case) -> Discretisation:
@@ -102,7 +102,7 @@ def _wall_directions(bodies: BodyMesh) -> Array:
     return along_walls(bodies.mesh) if bodies.dimension == 2 else along_and_up(bodies)
 
 
-def _user_defined(case: BodyCase) -> BodyScene:
+def user_defined(case: BodyCase) -> BodyScene:
     """Return the scene of a case, with the faces that it describes."""
     bodies = []
     for body in case.bodies:

@@ -13,7 +13,8 @@ import os
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from math import pi, sqrt
+from dataclasses import dataclass
+from math import factorial, pi, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,7 @@ from netgen import occ
 from pydantic import BaseModel
 
 from ngcell.build.memory import foreseen_memory
-from ngcell.errors import CaseError, GeometryError
+from ngcell.errors import CaseError, GeometryError, TooLarge
 from ngcell.scene import BodyScene, Case
 
 #: Elements of unit size in a unit of area or volume, equilateral triangles or tetrahedra.
@@ -69,7 +70,7 @@ def check_tissue_fits(case: Case) -> None:
 
     Raises
     ------
-    CaseError
+    TooLarge
         If it cannot.
     """
     count = getattr(case.tissue, "element_count", None)
@@ -84,9 +85,15 @@ def check_bodies_fit(scene: BodyScene) -> None:
 
     Raises
     ------
-    CaseError
-        If they cannot.
+    GeometryError, TooLarge
+        If they have not, or cannot.
     """
+    elements, dimension = body_elements(scene)
+    _check_fits(elements, scene.plain_order, dimension, _SIMPLEX_SHARE[dimension], "mesh.size, sizes of bodies")
+
+
+def body_elements(scene: BodyScene) -> tuple[float, int]:
+    """Return the number of elements of user-defined bodies, at least, and their dimension."""
     shapes = [(body.name, body.shape) for body in scene.bodies if isinstance(body.shape, occ.TopoDS_Shape)]
     dimension = 3 if any(len(shape.solids) for _, shape in shapes) else 2
     parts = [part for name, shape in shapes for part in _parts(name, shape, scene.size)]
@@ -95,7 +102,7 @@ def check_bodies_fit(scene: BodyScene) -> None:
         elements += _count(volume, size, dimension)
     for circle in scene.refinements:
         elements += _count(min(total, pi * circle.within**2), circle.size, dimension)
-    _check_fits(elements, scene.plain_order, dimension, _SIMPLEX_SHARE[dimension], "mesh.size, sizes of bodies")
+    return elements, dimension
 
 
 def _parts(name: str, shape: Any, size: float | None) -> Iterator[tuple[float, float]]:
@@ -114,14 +121,49 @@ def _count(volume: float, size: float, dimension: int) -> float:
 
 
 def _check_fits(elements: float, order: int, dimension: int, share: float, keys: str) -> None:
-    entries = share * elements * dimension**2 / 2 * (order * (order + 2)) ** dimension
+    entries = share * _entries(elements, order, dimension)
     needed, there = foreseen_memory(entries), available_memory()
     if not needed <= there:
-        raise CaseError(
+        raise TooLarge(
             f"at least {elements:.2g} elements of order {order}, for which the run would take {needed:.2g} GiB of "
             f"memory; allowed: at most {there:.3g} GiB, by larger or fewer elements ({keys}), fewer bodies or a lower "
             "mesh.order"
         )
+
+
+def _entries(elements: float, order: int, dimension: int) -> float:
+    return float(elements * dimension**2 / 2 * (order * (order + 2)) ** dimension)
+
+
+@dataclass(frozen=True)
+class Foreseen:
+    """What a case will take on one mesh, without meshing it.
+
+    Attributes
+    ----------
+    unknowns : float
+        Scalar unknowns of the displacement; of walls that are one element thick.
+    memory : float
+        Memory of a run [GiB].
+    """
+
+    unknowns: float
+    memory: float
+
+
+def foreseen(case: Case | BodyScene) -> Foreseen | None:
+    """Return what a scene will take on its own mesh; None for a tissue that does not tell its number of elements."""
+    if isinstance(case, BodyScene):
+        (elements, dimension), order = body_elements(case), case.plain_order
+        share, nodes = _SIMPLEX_SHARE[dimension], order**dimension / factorial(dimension)
+    else:
+        count = getattr(case.tissue, "element_count", None)
+        if count is None:
+            return None
+        elements, dimension = float(count(case.mesh)), 2 if case.tissue.height is None else 3
+        order = case.mesh.plain_order
+        share, nodes = 1.0, order ** (dimension - 1) * (order + 1)
+    return Foreseen(elements * nodes * dimension, foreseen_memory(share * _entries(elements, order, dimension)))
 
 
 def available_memory() -> float:

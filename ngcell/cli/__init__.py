@@ -17,6 +17,7 @@ from ngcell.cli.report import report
 from ngcell.cli.schema import schema
 from ngcell.cli.solve import solve
 from ngcell.cli.streams import give_up_stream, note, open_standard_streams
+from ngcell.cli.sweep import sweep
 from ngcell.cli.view import view
 from ngcell.errors import NgcellError, OutputError
 
@@ -53,5 +54,5 @@ def ngcell() -> None:
     """
 
 
-for verb in (solve, check, view, report, cases, schema):
+for verb in (solve, check, sweep, view, report, cases, schema):
     ngcell.add_command(verb)

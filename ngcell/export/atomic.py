@@ -21,20 +21,29 @@ def output_errors(path: Path) -> Iterator[None]:
         ) from error
 
 
-def replace_file(path: Path, content: bytes) -> None:
+def replace_file(path: Path, content: bytes, *, draft: str = "") -> None:
     """Write `path` so that a reader sees the old content or the new one, never a part of it.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    content : bytes
+        What it will hold.
+    draft : str
+        What tells the draft of this process from that of others, where several may write the file.
 
     Raises
     ------
     OutputError
         If the file cannot be written; its old content is kept.
     """
-    draft = path.with_name(f".{path.name}.tmp")
+    written = path.with_name(f".{path.name}{draft}.tmp")
     with output_errors(path):
         try:
-            draft.write_bytes(content)
-            os.replace(draft, path)
+            written.write_bytes(content)
+            os.replace(written, path)
         except OSError:
             with suppress(OSError):
-                draft.unlink()
+                written.unlink()
             raise

@@ -66,6 +66,11 @@ def accepted_steps(folder: Path, summary: Mapping[str, Any]) -> int:
     return count
 
 
+def failed_checks(summary: Mapping[str, Any]) -> list[str]:
+    """Return the names of the checks that any step of a run has failed."""
+    return list(dict.fromkeys(name for names in (summary.get("failed_steps") or {}).values() for name in names))
+
+
 def _plain(value: Any) -> Any:
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}

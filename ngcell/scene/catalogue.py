@@ -22,6 +22,13 @@ def shipped_cases() -> dict[str, Path]:
     return {case_name(file): file for file in sorted(files)}
 
 
+def find_study(path_or_name: str | Path) -> Path:
+    """Return the file of a study that a path, or the name of one that comes with ngcell, means."""
+    path = Path(path_or_name)
+    shipped = (shelf / "studies" / f"{path_or_name}.toml" for shelf in _SHELVES)
+    return path if _holds(path, Path.is_file) else next((file for file in shipped if file.is_file()), path)
+
+
 def find_case(path_or_name: str | Path) -> Path:
     """Return the case file that a path, a folder with a `case.toml` or a shipped name means.
 

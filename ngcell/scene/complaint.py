@@ -17,7 +17,7 @@ from pydantic_core import ErrorDetails
 
 from ngcell.scene.choice import KIND_MISSING, KIND_UNKNOWN
 from ngcell.scene.lines import KeyPath, Place, place_of
-from ngcell.scene.vocabulary import allowed, keys, kinds, node_at
+from ngcell.scene.vocabulary import Node, allowed, keys, kinds, node_at
 
 _LONGEST_VALUE = 60
 
@@ -33,7 +33,7 @@ class Mistake:
 
 @dataclass(frozen=True)
 class CaseText:
-    """What a case file says and where.
+    """What a case file, or a study, says and where.
 
     Parameters
     ----------
@@ -43,14 +43,21 @@ class CaseText:
         What it says, overrides included.
     places : dict of key path to Place
         File and line of each key.
-    overridden : tuple of key path
-        Keys that were set beside the file.
+    overridden : dict of key path to str
+        Keys that were set beside the file, and where.
+    section : str, optional
+        Name of the section that it is; by default that of a case.
     """
 
     name: str
     table: dict[str, Any]
     places: dict[KeyPath, Place]
-    overridden: tuple[KeyPath, ...]
+    overridden: dict[KeyPath, str]
+    section: str | None = None
+
+    def node(self, path: KeyPath) -> Node:
+        """Return the schema of the key at `path`."""
+        return node_at(path, self.table, self.section)
 
     def order(self, mistake: Mistake) -> tuple[int, int]:
         """Return what mistakes are sorted by: the file and the line that each stands in."""
@@ -62,14 +69,14 @@ def complaints(error: ValidationError, text: CaseText) -> list[str]:
     """Return a line for each mistake; misspelt keys first, for they cause others."""
     mistakes = [_mistake(detail, text.table) for detail in error.errors()]
     unknown = [mistake for mistake in mistakes if mistake.sort == "extra_forbidden"]
-    explained = {_meant(mistake.path, text.table) for mistake in unknown}
+    explained = {_meant(mistake.path, text) for mistake in unknown}
     others = [
         mistake
         for mistake in mistakes
         if mistake not in unknown and (mistake.sort != "missing" or mistake.path not in explained)
     ]
     in_order = sorted(unknown, key=text.order) + sorted(others, key=text.order)
-    lines = (f"{_where(mistake.path, text)}: {_what(mistake, text.table)}" for mistake in in_order)
+    lines = (f"{_where(mistake.path, text)}: {_what(mistake, text)}" for mistake in in_order)
     return list(dict.fromkeys(lines))
 
 
@@ -113,47 +120,48 @@ def _is_of_a_choice(detail: ErrorDetails, table: Any) -> bool:
 
 
 def _where(path: KeyPath, text: CaseText) -> str:
-    if any(path[: len(key)] == key for key in text.overridden):
-        return f"{text.name}: --set"
+    for key, where in reversed(text.overridden.items()):
+        if path[: len(key)] == key:
+            return where
     place = place_of(path, text.places)
     return text.name if place is None else f"{place.file}:{place.line}"
 
 
-def _what(mistake: Mistake, table: dict[str, Any]) -> str:
-    key, value = _dotted(mistake.path), _shown(_value_at(mistake.path, table))
+def _what(mistake: Mistake, text: CaseText) -> str:
+    key, value = _dotted(mistake.path), _shown(_value_at(mistake.path, text.table))
     if mistake.sort == "missing":
-        return f"{key} is missing; allowed: {_allowed(mistake.path, table)}"
+        return f"{key} is missing; allowed: {_allowed(mistake.path, text)}"
     if mistake.sort == "extra_forbidden":
-        known = ", ".join(keys(node_at(mistake.path[:-1], table)))
-        return f"{key}{value} is unknown{_suggestion(mistake.path, table)}; allowed: {known}"
+        known = ", ".join(keys(text.node(mistake.path[:-1])))
+        return f"{key}{value} is unknown{_suggestion(mistake.path, text)}; allowed: {known}"
     if mistake.sort == "limit":
         return f"{key}{value}: {mistake.words}"
-    suggestion = _suggestion(mistake.path, table) if mistake.sort == KIND_UNKNOWN else ""
-    return f"{key}{value} is not possible{suggestion}; allowed: {_allowed(mistake.path, table)}"
+    suggestion = _suggestion(mistake.path, text) if mistake.sort == KIND_UNKNOWN else ""
+    return f"{key}{value} is not possible{suggestion}; allowed: {_allowed(mistake.path, text)}"
 
 
-def _allowed(path: KeyPath, table: dict[str, Any]) -> str:
-    holder = node_at(path[:-1], table)
+def _allowed(path: KeyPath, text: CaseText) -> str:
+    holder = text.node(path[:-1])
     if path[-1] == "kind" and kinds(holder):
         names = [f'"{kind}"' for kind in kinds(holder)]
         return ("one of " if len(names) > 1 else "") + ", ".join(names)
-    node = node_at(path, table)
+    node = text.node(path)
     known = keys(node) or (["kind"] if kinds(node) else [])
     return f"a table [{_dotted(path)}] with {', '.join(known)}" if known else allowed(node)
 
 
-def _suggestion(path: KeyPath, table: dict[str, Any]) -> str:
-    holder = node_at(path[:-1], table)
+def _suggestion(path: KeyPath, text: CaseText) -> str:
+    holder = text.node(path[:-1])
     if path[-1] == "kind":
-        near = get_close_matches(str(_value_at(path, table)), kinds(holder), n=1)
+        near = get_close_matches(str(_value_at(path, text.table)), kinds(holder), n=1)
     else:
-        near = [str(_meant(path, table)[-1])] if _meant(path, table) else []
+        near = [str(_meant(path, text)[-1])] if _meant(path, text) else []
     return f"; did you mean {near[0]}?" if near else ""
 
 
-def _meant(path: KeyPath, table: dict[str, Any]) -> KeyPath:
+def _meant(path: KeyPath, text: CaseText) -> KeyPath:
     """Return the path of the known key nearest to an unknown one, empty if none is near."""
-    near = get_close_matches(str(path[-1]), keys(node_at(path[:-1], table)), n=1)
+    near = get_close_matches(str(path[-1]), keys(text.node(path[:-1])), n=1)
     return (*path[:-1], near[0]) if near else ()
 
 

@@ -56,8 +56,8 @@ def read_table(file: Path, shown: str | None = None, heirs: tuple[Path, ...] = (
         A file cannot be read or is no TOML, or there is no case to extend.
     """
     shown = shown or str(file)
-    text = _text(file)
-    table = _located(_parsed(text, shown), file.parent)
+    table, text = read_toml(file, shown)
+    table = _located(table, file.parent)
     places = {path: Place(shown, line, len(heirs)) for path, line in key_lines(text).items()}
     if "extends" not in table:
         return CaseTable(table, places)
@@ -71,6 +71,18 @@ def read_table(file: Path, shown: str | None = None, heirs: tuple[Path, ...] = (
     inherited = read_table(parent, None, (*heirs, file))
     inherited.table.pop("expected", None)
     return _extended(inherited, CaseTable(table, places))
+
+
+def read_toml(file: Path, shown: str) -> tuple[dict[str, Any], str]:
+    """Return the table of a TOML file and its text; messages name it as `shown`.
+
+    Raises
+    ------
+    CaseError
+        It cannot be read or is no TOML.
+    """
+    text = _text(file)
+    return _parsed(text, shown), text
 
 
 def _parent(name: object, file: Path, where: str) -> Path:

@@ -1,22 +1,44 @@
-"""Values given beside a case file: `key=value` with dotted keys, as `--set` takes them."""
+"""Values given beside a case file: `key=value` with dotted keys, as `--set` takes them, or those of a study."""
 
 from __future__ import annotations
 
 import tomllib
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from ngcell.errors import CaseError
+from ngcell.scene.dotted import key_path
 from ngcell.scene.lines import KeyPath
 
 
-def apply_overrides(table: dict[str, Any], overrides: Sequence[str]) -> tuple[dict[str, Any], list[KeyPath]]:
-    """Return the table of a case file with overrides set, and the keys they set.
+@dataclass(frozen=True)
+class Setting:
+    """A value that takes the place of what a case file says.
+
+    Attributes
+    ----------
+    path : tuple of str or int
+        The key.
+    value : object
+        Its value, as TOML would give it.
+    told : str
+        How messages name it.
+    place : str, optional
+        File and line where it is said; by default it is an option of the command line.
+    """
+
+    path: KeyPath
+    value: Any
+    told: str
+    place: str | None = None
+
+
+def settings_of(overrides: Sequence[str]) -> tuple[Setting, ...]:
+    """Return what overrides set.
 
     Parameters
     ----------
-    table : dict
-        What the case file says; left unchanged.
     overrides : sequence of str
         Each ``key=value``: a dotted key (``tissue.wall``, ``expected.0.value``) and a TOML value. What is
         no TOML value is taken as a bare string. Later ones win.
@@ -24,31 +46,30 @@ def apply_overrides(table: dict[str, Any], overrides: Sequence[str]) -> tuple[di
     Raises
     ------
     CaseError
-        An override is not of that form, or its key leads through something that is not a table.
+        An override is not of that form.
     """
-    for override in overrides:
-        path, value = _parse(override)
-        table = _replaced(table, path, value, override)
-    return table, override_paths(overrides)
+    return tuple(_parse(override) for override in overrides)
 
 
-def override_paths(overrides: Sequence[str]) -> list[KeyPath]:
-    """Return the keys that overrides set.
+def with_settings(table: dict[str, Any], settings: Sequence[Setting]) -> dict[str, Any]:
+    """Return the table of a case file, which is left unchanged, with values set.
 
     Raises
     ------
     CaseError
-        An override is not of the form ``key=value``.
+        A key leads through something that is not a table.
     """
-    return [_parse(override)[0] for override in overrides]
+    for setting in settings:
+        table = _replaced(table, setting.path, setting)
+    return table
 
 
-def _parse(override: str) -> tuple[KeyPath, Any]:
+def _parse(override: str) -> Setting:
     key, equals, value = override.partition("=")
-    parts = [part.strip() for part in key.split(".")]
-    if not equals or not all(parts):
+    path = key_path(key)
+    if not equals or path is None:
         raise CaseError(f"--set {override}: allowed: key=value with a dotted key, as in tissue.wall=0.1")
-    return tuple(int(part) if part.isdecimal() else part for part in parts), _toml_value(value.strip())
+    return Setting(path, _toml_value(value.strip()), f"--set {override}")
 
 
 def _toml_value(text: str) -> Any:
@@ -59,14 +80,14 @@ def _toml_value(text: str) -> Any:
     return parsed["value"] if len(parsed) == 1 else text
 
 
-def _replaced(node: Any, path: KeyPath, value: Any, override: str) -> Any:
-    """Return a copy of `node` in which the entry at `path` is `value`."""
+def _replaced(node: Any, path: KeyPath, setting: Setting) -> Any:
+    """Return a copy of `node` in which the entry at `path` is the value of the setting."""
     if not path:
-        return value
+        return setting.value
     first, *rest = path
     if isinstance(node, list) and isinstance(first, int) and first < len(node):
-        inner = _replaced(node[first], tuple(rest), value, override)
+        inner = _replaced(node[first], tuple(rest), setting)
         return [*node[:first], inner, *node[first + 1 :]]
     if not isinstance(node, dict):
-        raise CaseError(f"--set {override}: nothing to set {first} in; allowed: a key of a table")
-    return {**node, first: _replaced(node.get(first, {}), tuple(rest), value, override)}
+        raise CaseError(f"{setting.told}: nothing to set {first} in; allowed: a key of a table")
+    return {**node, first: _replaced(node.get(first, {}), tuple(rest), setting)}

@@ -12,10 +12,9 @@ from ngcell.errors import CaseError
 from ngcell.scene.bodies import BodyScene
 from ngcell.scene.catalogue import find_case
 from ngcell.scene.complaint import CaseText, complaints
-from ngcell.scene.inheritance import read_table
+from ngcell.scene.inheritance import CaseTable, read_table
 from ngcell.scene.kinds import AnyCase, kind_of_case
-from ngcell.scene.lines import KeyPath
-from ngcell.scene.overrides import apply_overrides, override_paths
+from ngcell.scene.overrides import Setting, settings_of, with_settings
 from ngcell.scene.written_bodies import written_bodies
 
 #: Keys that say how a scene is solved, or nothing about it: expected numbers hold whatever they are.
@@ -46,21 +45,32 @@ def read_case(path_or_name: str | Path, overrides: Sequence[str] = ()) -> AnyCas
     """
     file = find_case(path_or_name)
     try:
-        return _checked(file, overrides)
+        return variant(str(file), read_table(file), settings_of(overrides))
     except RecursionError:
         raise CaseError(f"{file}: tables or lists are nested too deep; allowed: the keys of a case") from None
 
 
-def _checked(file: Path, overrides: Sequence[str]) -> AnyCase:
-    said = read_table(file)
-    if _is_another_scene(override_paths(overrides)):
-        said.table.pop("expected", None)
-    table, overridden = apply_overrides(said.table, overrides)
+def variant(name: str, said: CaseTable, settings: Sequence[Setting]) -> AnyCase:
+    """Return the case that a file says, with values set beside it; see `read_case`.
+
+    Parameters
+    ----------
+    name : str
+        How messages name the file.
+    said : CaseTable
+        What it says; left unchanged.
+    settings : sequence of Setting
+        Values in place of the file's.
+    """
+    before = said.table
+    if _is_another_scene(settings):
+        before = {key: value for key, value in before.items() if key != "expected"}
+    table = with_settings(before, settings)
     try:
         return kind_of_case(table).model_validate(table)
     except ValidationError as error:
-        case_text = CaseText(str(file), table, said.places, tuple(overridden))
-        raise CaseError("\n".join(complaints(error, case_text))) from None
+        overridden = {setting.path: setting.place or f"{name}: --set" for setting in settings}
+        raise CaseError("\n".join(complaints(error, CaseText(name, table, said.places, overridden)))) from None
 
 
 def case_title(file: Path) -> str:
@@ -83,6 +93,6 @@ def resolved_toml(case: AnyCase | BodyScene) -> str:
     return tomli_w.dumps(case.model_dump(mode="json", exclude_none=True))
 
 
-def _is_another_scene(overridden: Sequence[KeyPath]) -> bool:
-    keys = {path[0] for path in overridden}
+def _is_another_scene(settings: Sequence[Setting]) -> bool:
+    keys = {setting.path[0] for setting in settings}
     return bool(keys - _NOT_OF_THE_SCENE) and "expected" not in keys

@@ -151,6 +151,17 @@ _SHIPPED = {
         default="exponential",
         protocol="ngcell.contact.cohesion.law:CohesiveLaw",
     ),
+    "axis": Group(
+        {
+            "grid": "ngcell.sweeps.axes:Grid",
+            "range": "ngcell.sweeps.axes:Range",
+            "log-range": "ngcell.sweeps.axes:LogRange",
+            "random": "ngcell.sweeps.axes:Random",
+            "zip": "ngcell.sweeps.joint_axes:Zip",
+            "latin-hypercube": "ngcell.sweeps.joint_axes:LatinHypercube",
+        },
+        protocol="ngcell.sweeps.axis:Axis",
+    ),
 }
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from functools import cache
 from typing import Any
 
@@ -14,16 +15,27 @@ from ngcell.scene.choice import DEFAULT_KIND
 from ngcell.scene.kinds import AnyCase, kind_of_case
 from ngcell.scene.lines import KeyPath
 from ngcell.scene.registry import registered
+from ngcell.scene.study import Study
 
 Node = dict[str, Any]
 
 #: The key of a case file that is none of a case: it names the case that the file extends.
 EXTENDS = "extends"
-_PART = "InPart"
+_PART, _DRAFT = "InPart", "https://json-schema.org/draft/2020-12/schema"
 
 
 def _schema() -> Node:
     return _schema_of(registered())
+
+
+def _definitions() -> dict[str, Node]:
+    study = _schema_of_study(registered())
+    return {**_schema()["$defs"], **study["$defs"], Study.__name__: study}
+
+
+@cache
+def _schema_of_study(own_kinds: tuple[type, ...]) -> Node:
+    return TypeAdapter(Study).json_schema()
 
 
 @cache
@@ -48,7 +60,7 @@ def schema() -> Node:
     in_part = [{"$ref": f"#/$defs/{kind.__name__}{_PART}"} for kind in (Case, BodyCase)]
     told: Node = _with_infinity(
         {
-            "$schema": "https://json-schema.org/draft/2020-12/schema",
+            "$schema": _DRAFT,
             "$defs": definitions,
             "anyOf": [{key: value for key, value in whole.items() if key != "$defs"}, *in_part],
         }
@@ -80,9 +92,22 @@ def _in_part(node: Any) -> Any:
     return {**kept, "anyOf": _in_part(node["oneOf"])} if "oneOf" in node else kept
 
 
-def node_at(path: KeyPath, table: Any) -> Node:
-    """Return the schema of the key at `path`; `table`, what the file says, tells the kinds on the way."""
-    node: Node = _schema()["$defs"][kind_of_case(table).__name__]
+def study_schema() -> Node:
+    """Return the JSON schema of a study: an axis is also a list, or a table of tables, as TOML reads a dotted key."""
+    node = deepcopy(_schema_of_study(registered()))
+    axes = node["properties"]["axes"]
+    named = {"type": "object", "required": ["kind"]}
+    other = {"type": ["array", "object"]}
+    axes["additionalProperties"] = {"if": named, "then": axes["additionalProperties"], "else": other}
+    return {"$schema": _DRAFT, **node}
+
+
+def node_at(path: KeyPath, table: Any, section: str | None = None) -> Node:
+    """Return the schema of the key at `path`; `table`, what the file says, tells the kinds on the way.
+
+    The file is a case, or else the section of that name.
+    """
+    node: Node = _definitions()[section or kind_of_case(table).__name__]
     for part in path:
         table = _entry(table, part)
         node = _resolved(_below(node, part), table)
@@ -137,8 +162,7 @@ def _of_text(node: Node) -> str:
 def _resolved(node: Node, table: Any) -> Node:
     """Return the schema behind references, "or nothing" and a choice by kind."""
     if "$ref" in node:
-        definitions: dict[str, Node] = _schema()["$defs"]
-        return _resolved(definitions[node["$ref"].rpartition("/")[2]], table)
+        return _resolved(_definitions()[node["$ref"].rpartition("/")[2]], table)
     options = [option for option in node.get("anyOf", ()) if option.get("type") != "null"]
     if len(options) == 1:
         return _resolved(options[0], table)
@@ -152,7 +176,7 @@ def _below(node: Node, part: str | int) -> Node:
         **node.get("properties", {}),
         **dict(enumerate(node.get("prefixItems", ()))),
     }
-    other: Node = node.get("items", {})
+    other: Node = node.get("items") or node.get("additionalProperties") or {}
     return entries.get(part, other)
 
 

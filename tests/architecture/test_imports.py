@@ -20,7 +20,7 @@ IDS = [str(module.relative_to(PACKAGE)) for module in MODULES]
 #: Rooms in their order: each may import those named before it, besides itself.
 ORDER = (
     "errors", "clock", "scene", "geometry", "mechanics", "contact", "problem", "results", "build", "export",
-    "report", "recording", "run", "ensemble", "cli",
+    "report", "recording", "run", "ensemble", "sweeps", "cli",
 )  # fmt: skip
 
 #: Rooms that may import less: what they do not name they cannot come to depend on.
@@ -34,16 +34,16 @@ NARROW = {
     # The solver knows a problem by protocol only, and of scenes what sections of cases are made of.
     "solve": {"errors", "clock", "scene"},
     # The command line hands on what a case says, and shows what came of it.
-    "cli": {"errors", "scene", "results", "export", "report", "recording", "run", "ensemble", "__version__"},
+    "cli": {"errors", "scene", "results", "export", "report", "recording", "run", "ensemble", "sweeps", "__version__"},
     # The table of contents names what it offers to type checkers; at run time it imports on demand.
     "__init__": {*ORDER, "solve"} - {"cli"},
     "__main__": {"cli"},
 }
 #: Rooms that may import the solver.
-SOLVING = {"build", "recording", "run", "ensemble"}
+SOLVING = {"build", "recording", "run", "ensemble", "sweeps"}
 
 #: Modules of the scene that kinds may know, wherever they stand: what sections are made of. No case, no reader.
-SECTIONS = {"bodies", "choice", "entries", "levels", "scope", "section"}
+SECTIONS = {"bodies", "choice", "dotted", "entries", "levels", "scope", "section"}
 #: Rooms that may know less of the scene.
 SECTIONS_OF = {"solve": {"section"}}
 
@@ -71,6 +71,7 @@ UNKNOWN = {
     "recording": PICTURES | {"click", "rich"},
     "run": PICTURES | {"click", "rich"},
     "ensemble": PICTURES | {"click", "rich"},
+    "sweeps": PICTURES | {"click", "rich"},
     "cli": NUMERICS | PICTURES,
     "errors": NUMERICS | PICTURES | {"click", "rich", "pydantic"},
 }
@@ -135,7 +136,10 @@ def test_front_doors_open_without_numerics(front_door: str) -> None:
 
 
 #: Libraries that take long to load and that a run needs at its end, for pictures, or not at all.
-LATE = {"scipy.spatial", "scipy.sparse.csgraph", "scipy.linalg", "matplotlib", "pyvista", "vtkmodules", "rich"}
+LATE = {
+    "scipy.spatial", "scipy.sparse.csgraph", "scipy.linalg", "scipy.stats", "matplotlib", "pyvista", "vtkmodules",
+    "rich", "dask", "distributed", "pandas", "pyarrow", "xarray",
+}  # fmt: skip
 
 
 def test_a_run_starts_without_what_it_may_never_need() -> None:
