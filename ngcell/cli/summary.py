@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import hypot, isfinite
+from math import hypot, isfinite, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +20,7 @@ def summary_lines(recording: Recording, folder: Path) -> Iterator[str]:
     yield f"certificate  {'passed' if passed else 'NOT PASSED'}{untold}"
     yield from table_lines(recording.summary.get("certificate", {}), indent=2)
     yield from error_lines(recording.summary)
+    yield from rupture_lines(recording.summary.get("rupture", {}))
     yield from expected_lines(recording.summary.get("expected", ()))
     yield from stiffer_lines(recording.summary.get("stiffer_penalty", {}))
     yield f"results      {folder}"
@@ -39,6 +40,27 @@ def error_lines(summary: Mapping[str, Any]) -> Iterator[str]:
     rows["plate_force"] = size
     for name, value in rows.items():
         yield f"  {_words(name):13}  {with_error(value, last[f'{name}_error'])}"
+
+
+def rupture_lines(table: Mapping[str, Any]) -> Iterator[str]:
+    """Yield where walls would rupture and separate, and how cells end; nothing where it is not known what walls bear.
+    """
+    if not table:
+        return
+    load, first = table["load"], table["first_separation"]
+    if load is None:
+        largest = with_error(table["largest_utilisation"], table["largest_utilisation_error"] or nan)
+        yield f"rupture      of no wall; largest utilisation {largest}"
+    elif load["between"][0] == load["between"][1]:
+        yield f"rupture      of cell {load['cell']} at load factor {load['load_factor']:.4g} or before"
+    else:
+        told = with_error(load["load_factor"], load["error"])
+        untold = "" if isfinite(load["error"]) else ", error of the mesh not estimated"
+        yield f"rupture      of cell {load['cell']} at load factor {told}{untold}"
+    yield f"separation   {'of no walls' if first is None else f'from load factor {first:.4g} on'}"
+    yield f"cells        {', '.join(f'{len(cells)} {end}' for end, cells in table['cells'].items())}"
+    work = (f"{_shown(table[f'work_of_{what}'])} of {what}" for what in ("separation", "rupture"))
+    yield f"work         {', '.join(work)}"
 
 
 def with_error(value: float, error: float) -> str:
