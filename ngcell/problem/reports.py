@@ -62,7 +62,7 @@ def columns(terms: Sequence[Term], at: Configuration) -> dict[str, float]:
 def stored_in_bodies(terms: Sequence[Term], at: Configuration, bodies: int) -> Array:
     """Return what each of so many bodies stores [energy], shape (bodies,)."""
     found = [part for term in terms if (part := term.stored_in_bodies(at)) is not None]
-    return sum(found, start=np.zeros(bodies))
+    return np.asarray(sum(found, start=np.zeros(bodies)))
 
 
 def broken_share(terms: Sequence[Term], at: Configuration, pairs: Index) -> Array:

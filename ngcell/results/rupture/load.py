@@ -24,6 +24,7 @@ from ngcell.results.record import StepRecord
 
 Array = NDArray[np.float64]
 
+
 @dataclass(frozen=True)
 class RuptureLoad:
     """The load at which the first wall would rupture.
@@ -59,9 +60,8 @@ def rupture_load(records: Sequence[StepRecord], *, starts_at_rest: bool) -> Rupt
         return None
     end, rest = above[0], int(starts_at_rest)
     load = np.array([0.0] * rest + [record.load_factor for record in found])
-    share, error = (
-        np.array([0.0] * rest + [record.more[name] for record in found]) for name in ("utilisation", "utilisation_error")
-    )
+    share = np.array([0.0] * rest + [record.more["utilisation"] for record in found])
+    error = np.array([0.0] * rest + [record.more["utilisation_error"] for record in found])
     more, last = found[end].more, end + rest
     where = int(more["utilisation_cell"]), (more["utilisation_x"], more["utilisation_y"])
     if last == 0 or load[last] == load[last - 1]:
@@ -82,6 +82,7 @@ def _interpolation_error(load: Array, share: Array, last: int, at: float) -> flo
     errors = []
     for other in (last - 2, last + 1):
         if 0 <= other < len(load) and load[other] not in (load[last], load[last - 1]):
-            second = ((share[other] - share[last]) / (load[other] - load[last]) - slope) / (load[other] - load[last - 1])
+            beside = (share[other] - share[last]) / (load[other] - load[last])
+            second = (beside - slope) / (load[other] - load[last - 1])
             errors.append(abs(second * (at - load[last - 1]) * (at - load[last]) / slope))
     return float(max(errors)) if errors else abs(float(load[last] - load[last - 1])) / 2
