@@ -165,4 +165,5 @@ def command() -> None:
         told: list[Any] = [f"{length:g}: {largest_at_hole(plate, length):.5f}" for length in (0.1, 0.25, 0.5)]
         click.echo(f"plate with a hole, b = {outer:g} a: {peak:.5f} at the hole; averages over {', '.join(told)}")
     ring = InflatedRing(RadialSolid(0.5, 0.5, 100.0), 1.0, 1.2, 0.1)
-    click.echo(f"ring [1, 1.2], P = 0.1: mean hoop stress {ring.mean_hoop:.6f}, average over 0.2: {ring.average(0.2):.6f}")
+    told = [f"mean hoop stress {ring.mean_hoop:.6f}", f"average over 0.2: {ring.average(0.2):.6f}"]
+    click.echo(f"ring [1, 1.2], P = 0.1: {', '.join(told)}")
