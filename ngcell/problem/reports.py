@@ -61,8 +61,11 @@ def columns(terms: Sequence[Term], at: Configuration) -> dict[str, float]:
 
 def stored_in_bodies(terms: Sequence[Term], at: Configuration, bodies: int) -> Array:
     """Return what each of so many bodies stores [energy], shape (bodies,)."""
-    found = [part for term in terms if (part := term.stored_in_bodies(at)) is not None]
-    return np.asarray(sum(found, start=np.zeros(bodies)))
+    total = np.zeros(bodies)
+    for term in terms:
+        part = term.stored_in_bodies(at)
+        total = total if part is None else total + part
+    return total
 
 
 def broken_share(terms: Sequence[Term], at: Configuration, pairs: Index) -> Array:

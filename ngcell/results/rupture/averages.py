@@ -19,7 +19,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.spatial import KDTree
 
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.results.places import element_type
@@ -154,8 +153,9 @@ def _columns(space: DisplacementSpace) -> _Columns:
 
 def _around_points(space: DisplacementSpace, length: Array) -> Averages:
     kind, of_element = element_type(space), space.bodies.body_of_element
-    corner = np.array([[vertex.nr for vertex in each.vertices] for each in space.mesh.Elements()])
-    points = np.array([vertex.point for vertex in space.mesh.vertices])[corner]
+    mesh = space.mesh
+    corner = np.array([[vertex.nr for vertex in each.vertices] for each in mesh.Elements()])
+    points = np.array([vertex.point for vertex in mesh.vertices])[corner]
     size = np.linalg.norm(points - np.roll(points, 1, axis=1), axis=2).max(1)
     relative = float((size / length[of_element]).max())
     samples = Samples(space, *rule(kind, space.order // 2 + _BESIDES, parts_for(relative, 1.0)))
@@ -173,6 +173,8 @@ def _around_points(space: DisplacementSpace, length: Array) -> Averages:
 
 def _near(points: Array, body: Index, middle: Array, owner: Index) -> tuple[Index, Index, Array]:
     """Return pairs of a middle and a point of its body nearer than 1, and how far they are apart."""
+    from scipy.spatial import KDTree
+
     far = 10 * (np.ptp(points, axis=0).max() + 1)
     tree = KDTree(np.column_stack([points, body * far]))
     found = KDTree(np.column_stack([middle, owner * far])).sparse_distance_matrix(tree, 1.0, output_type="ndarray")
