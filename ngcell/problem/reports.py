@@ -77,7 +77,7 @@ def broken_share(terms: Sequence[Term], at: Configuration, pairs: Index) -> Arra
         known = pair >= 0
         length += np.bincount(pair[known], weight[known], len(pairs))
         broken += np.bincount(pair[known], (weight * is_broken)[known], len(pairs))
-    return np.divide(broken, length, out=np.full(len(pairs), np.nan), where=length > 0)
+    return np.asarray(np.divide(broken, length, out=np.full(len(pairs), np.nan), where=length > 0))
 
 
 def checks(terms: Sequence[Term], at: Configuration, scales: Scales) -> tuple[Check, ...]:
