@@ -134,9 +134,9 @@ def report() -> str:
     """Return the table of onsets, and in how many members each is later than that of the curve before."""
     lines = [
         "# Onsets over ensembles", "",
-        "`python -m tools.studies ensemble-curves` makes this: mean ± standard deviation over certified members, ± largest",
-        "estimated error of the mesh, where it is estimated. Members: with an onset, of those that are certified. Later: in",
-        "how many members onset is later than with the value before, of those in which both have one.", "",
+        "`python -m tools.studies ensemble-curves` makes this: mean ± standard deviation over certified members, ±",
+        "largest estimated error of the mesh, where it is estimated. Members: with an onset, of those certified. Later:",
+        "in how many members onset is later than with the value before, of those in which both have one.", "",
     ]  # fmt: skip
     rows = []
     for figure, values in VALUES.items():
