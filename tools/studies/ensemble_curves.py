@@ -135,8 +135,8 @@ def report() -> str:
     lines = [
         "# Onsets over ensembles", "",
         "`python -m tools.studies ensemble-curves` makes this: mean ± standard deviation over certified members, ±",
-        "largest estimated error of the mesh, where it is estimated. Members: with an onset, of those certified. Later:",
-        "in how many members onset is later than with the value before, of those in which both have one.", "",
+        "largest estimated error of the mesh, where it is estimated. Members: with an onset, of those certified.",
+        "Later: in how many members onset is later than with the value before, of those in which both have one.", "",
     ]  # fmt: skip
     rows = []
     for figure, values in VALUES.items():

@@ -33,6 +33,7 @@ COHESION, PRESSURES = (0.0125, 0.025, 0.05, 0.1, 0.2), (0.0, 0.01, 0.02)
 #: Tissues, their settings, and the colour of their boundary; Voronoi cells of as many seeds as are asked for.
 TISSUES = {
     "3x3": ("shear-empty-3x3", ("tissue.rows=3", "tissue.cols=3"), "#1b1b1b"),
+    "3x3, finer mesh": ("shear-empty-3x3", ("mesh.order=4", "mesh.grading=1"), "#8a8f98"),
     "voronoi": ("shear-empty-3x3", (), "#1f5f8b"),
     "5x7": ("shear-empty", ("load.displacement=[1.6, 0.0]",), "#b3361e"),
 }
