@@ -10,6 +10,7 @@ import pytest
 from netgen import occ
 
 from ngcell import read_case, record, simulate
+from ngcell.errors import CaseError
 from ngcell.results.error import Numbers, Refining, estimate
 from ngcell.results.record import StepRecord
 from ngcell.results.rupture.cells import BURST, SEPARATED, WHOLE, CellEnds, at_rest, end_of
@@ -115,6 +116,19 @@ def test_an_even_stretch_is_met_exactly_by_both_measures():
             step = simulate(BodyScene([body], [moved], levels=1, order=2, size=0.5, accuracy=inf))[-1]
             assert step.record.more["utilisation"] == pytest.approx(expected, rel=1e-8)
             assert isnan(step.record.more["utilisation_error"])  # none was asked for
+
+
+def test_a_length_far_too_short_for_the_elements_is_refused():
+    for sets in ("material.rupture_length=1e-5", "material.rupture_length=1e-12"):
+        with pytest.raises(CaseError, match="material.rupture_length takes .* points; allowed: a longer one"):
+            simulate(read_case("shear-empty-3x3", [*SMALL, "material.strength=1.0", sets]))
+
+
+def test_prisms_of_a_script_are_refused():
+    law = MooneyRivlin(c1=1.0, c2=0.5, bulk_modulus=10.0, strength=1.0)
+    body = Body(occ.Box((0, 0, 0), (1, 1, 1)), law, "block")
+    with pytest.raises(CaseError, match="allowed: in planar scenes"):
+        simulate(BodyScene([body], levels=1, order=1, size=1.0, accuracy=inf))
 
 
 def test_the_summary_tells_loads_cells_and_work(tmp_path):

@@ -22,7 +22,7 @@ from scipy import sparse
 
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.results.places import element_type
-from ngcell.results.rupture.samples import Samples, gauss, lattice, parts_for, rule
+from ngcell.results.rupture.samples import Samples, check_count, gauss, lattice, parts_for, rule
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -75,7 +75,9 @@ def averages_of(space: DisplacementSpace, length: Array) -> Averages:
 def _along_walls(space: DisplacementSpace, length: Array) -> Averages:
     walls = _columns(space)
     count = space.order // 2 + _BESIDES
-    along, along_weights = gauss(count, parts_for(float((walls.length / length[walls.body]).max()), 1.0))
+    relative = float((walls.length / length[walls.body]).max())
+    check_count(int(relative), space)
+    along, along_weights = gauss(count, parts_for(relative, 1.0))
     through, through_weights = gauss(count)
     points = np.array([(x, y) for x in along for y in through])
     samples = Samples(space, points, np.outer(along_weights, through_weights).ravel())
@@ -158,6 +160,7 @@ def _around_points(space: DisplacementSpace, length: Array) -> Averages:
     points = np.array([vertex.point for vertex in mesh.vertices])[corner]
     size = np.linalg.norm(points - np.roll(points, 1, axis=1), axis=2).max(1)
     relative = float((size / length[of_element]).max())
+    check_count(int(_AROUND * relative) ** 2, space)
     samples = Samples(space, *rule(kind, space.order // 2 + _BESIDES, parts_for(relative, 1.0)))
     nodes = lattice(kind, int(np.ceil(_AROUND * relative)))
     middle = Samples(space, nodes, np.zeros(len(nodes)))

@@ -40,12 +40,7 @@ class Samples:
     weights: Array
 
     def __post_init__(self) -> None:
-        count = len(self.points) * int(self.space.mesh.ne)
-        if count > MOST_POINTS:
-            raise CaseError(
-                f"material.rupture_length takes {count} points; allowed: a longer one, or a smaller mesh.size, "
-                f"so that elements are not much larger (at most {MOST_POINTS} points)"
-            )
+        check_count(len(self.points), self.space)
 
     @cached_property
     def places(self) -> NDArray[np.void]:
@@ -78,6 +73,16 @@ class Samples:
         own = ngsolve.Grad(self.space.function(displacement))(self.places).reshape(-1, dimension, dimension)
         gradient[:, :dimension, :dimension] += own
         return gradient
+
+
+def check_count(on_element: int, space: DisplacementSpace) -> None:
+    """Raise CaseError if so many points on each element are too many."""
+    count = on_element * int(space.mesh.ne)
+    if count > MOST_POINTS:
+        raise CaseError(
+            f"material.rupture_length takes {count} points; allowed: a longer one, or a smaller mesh.size, so that "
+            f"elements are not much larger than it (at most {MOST_POINTS} points)"
+        )
 
 
 def gauss(count: int, parts: int = 1) -> tuple[Array, Array]:

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from math import inf
 
 import numpy as np
@@ -23,7 +22,7 @@ from ngcell.errors import CaseError
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.term import Term
 from ngcell.problem.reports import stress as cauchy_stress
-from ngcell.results.rupture.averages import Averages, averages_of
+from ngcell.results.rupture.averages import averages_of
 
 Array = NDArray[np.float64]
 
@@ -75,17 +74,23 @@ class WallStrength:
         Largest principal stretch that it bears on average [1], > 1; infinite where nothing is said.
     length : array of float, shape (bodies,)
         Length of the averages [length], > 0.
+
+    Attributes
+    ----------
+    averages : Averages
+        The averages.
+
+    Raises
+    ------
+    CaseError
+        If bodies are not planar, or a length is far too short for their elements.
     """
 
     def __init__(self, space: DisplacementSpace, strength: Array, stretch_limit: Array, length: Array) -> None:
         if space.dimension != 2:
             raise CaseError("material.strength and material.stretch_limit; allowed: in planar scenes")
-        self._space, self._strength, self._stretch_limit, self._length = space, strength, stretch_limit, length
-
-    @cached_property
-    def averages(self) -> Averages:
-        """The averages, found when they are first needed."""
-        return averages_of(self._space, self._length)
+        self._strength, self._stretch_limit = strength, stretch_limit
+        self.averages = averages_of(space, length)
 
     def utilisation(self, terms: Sequence[Term], displacement: Array) -> Utilisation:
         """Return how near walls are to rupture with a displacement, shape (unknowns,)."""
