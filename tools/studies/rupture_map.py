@@ -6,6 +6,8 @@ Tissues are sheared with bonds between their walls, by load stepping. The streng
 one run tells all of them: with S the largest mean stress of any wall until the first pair of walls separates, walls
 weaker than S burst first, and stronger ones separate. A row a run goes to `tools/results/rupture-map.csv`; runs that
 are there are not repeated. The figure is `docs/rupture-map.png`; `--show` draws it from the table and runs nothing.
+Arrows mark what did not separate up to the last level, open circles what pressure alone separates, and hatching what
+was not certified.
 """
 
 from __future__ import annotations
@@ -29,17 +31,22 @@ from tools.runs import sources
 
 TABLE, FIGURE = RESULTS / "rupture-map.csv", DOCS / "rupture-map.png"
 #: Traction that bonds bear [stress], each with an energy of 0.03 times that; pressures in the cells [stress].
-COHESION, PRESSURES = (0.0125, 0.025, 0.05, 0.1, 0.2), (0.0, 0.01, 0.02)
+COHESION, PRESSURES = (0.0125, 0.025, 0.05, 0.1), (0.0, 0.01, 0.02)
 #: Tissues, their settings, and the colour of their boundary; Voronoi cells of as many seeds as are asked for.
 TISSUES = {
     "3x3": ("shear-empty-3x3", ("tissue.rows=3", "tissue.cols=3"), "#1b1b1b"),
-    "3x3, finer mesh": ("shear-empty-3x3", ("mesh.order=4", "mesh.grading=1"), "#8a8f98"),
+    "3x3, coarser mesh": ("shear-empty-3x3", ("mesh.grading=0",), "#8a8f98"),
     "voronoi": ("shear-empty-3x3", (), "#1f5f8b"),
     "5x7": ("shear-empty", ("load.displacement=[1.6, 0.0]",), "#b3361e"),
 }
 #: As large as 3x3 hexagons of side 1.
 VORONOI = "tissue={{kind='voronoi', cells=9, extent=[5.2, 5.0], wall=0.1, relaxation=2, seed={seed}}}"
-COMMON = ("accuracy=inf", "mesh.size=0.34", "strategy.kind=load-stepping", "load.levels=10", "material.strength=1.0")
+COMMON = (
+    "accuracy=inf", "mesh.size=0.34", "mesh.grading=1", "strategy.kind=load-stepping", "load.levels=10",
+    "material.strength=1.0",
+)  # fmt: skip
+#: Pressure acts in full before the plates move: the first level is that of pressure alone.
+WITH_PRESSURE = "load.levels=[0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0]"
 KEYS = ("tissue", "seed", "cohesion", "pressure")
 COLUMNS = (
     *KEYS, "boundary", "separated_at", "largest_stress", "at_load", "cells", "unknowns", "steps", "certified",
@@ -53,7 +60,7 @@ def settings(tissue: str, seed: int, cohesion: float, pressure: float) -> tuple[
     own = [VORONOI.format(seed=seed)] if tissue == "voronoi" else list(sets)
     own += [f"cohesion.strength={cohesion}", f"cohesion.energy={0.03 * cohesion}", "expected=[]"]
     if pressure:
-        own += ["lumen.kind=pressure", f"lumen.pressure={pressure}", "lumen.ramp=first"]
+        own += ["lumen.kind=pressure", f"lumen.pressure={pressure}", "lumen.ramp=first", WITH_PRESSURE]
     return case, [*COMMON, *own]
 
 
@@ -75,7 +82,9 @@ def measured(tissue: str, seed: int, cohesion: float, pressure: float) -> dict[s
     loads = ends.loads[1]
     first = float(np.nanmin(loads)) if np.isfinite(loads).any() else None
     until = float(load[-1]) if first is None else first
-    boundary = max(stress[load <= until].max(initial=0.0), float(np.interp(until, [0.0, *load], [0.0, *stress])))
+    at_rest = [] if pressure else [0.0]
+    there = float(np.interp(until, [*at_rest, *load], [*at_rest, *stress]))
+    boundary = max(stress[load <= until].max(initial=0.0), there)
     return row | {
         "boundary": f"{boundary:.5g}",
         "separated_at": "" if first is None else f"{first:.4f}",
@@ -98,6 +107,8 @@ def draw(rows: list[dict[str, str]]) -> None:
         mine = [row for row in known if float(row["pressure"]) == pressure]
         axes.set(xscale="log", yscale="log", xlabel="strength of cohesion", title=f"pressure {pressure:g}")
         axes.set(ylim=(low, high), xlim=(COHESION[0] / 1.2, COHESION[-1] * 1.2))
+        axes.set_xticks(COHESION, [f"{one:g}" for one in COHESION])
+        axes.minorticks_off()
         axes.spines[["top", "right"]].set_visible(False)
         for tissue in TISSUES:
             _boundary(axes, tissue, [row for row in mine if row["tissue"] == tissue], high if tissue == "3x3" else None)
@@ -124,9 +135,12 @@ def _boundary(axes: Axes, tissue: str, rows: list[dict[str, str]], shade_up_to: 
     axes.plot(x, mean, "o-", color=colour, label=label, linewidth=1.6, markersize=4)
     if seeds > 1:
         axes.fill_between(x, list(map(min, found)), list(map(max, found)), color=colour, alpha=0.25, linewidth=0)
-    bounds = [(float(row["cohesion"]), float(row["boundary"])) for row in rows if not row["separated_at"]]
-    for place in bounds:  # nothing separated up to the last level: walls stronger than this stay whole
-        axes.annotate("", (place[0], place[1] * 1.25), place, arrowprops={"arrowstyle": "->", "color": colour})
+    for row in rows:
+        place = float(row["cohesion"]), float(row["boundary"])
+        if not row["separated_at"]:  # nothing separated up to the last level: walls stronger than this stay whole
+            axes.annotate("", (place[0], place[1] * 1.25), place, arrowprops={"arrowstyle": "->", "color": colour})
+        elif float(row["separated_at"]) == 0:  # pressure alone separates walls
+            axes.plot(*place, "o", color=colour, markersize=8, fillstyle="none")
 
 
 def _uncertified(axes: Axes, rows: list[dict[str, str]]) -> None:
@@ -136,7 +150,8 @@ def _uncertified(axes: Axes, rows: list[dict[str, str]]) -> None:
         axes.axvspan(one / half, one * half, facecolor="none", edgecolor="#8a8f98", hatch="///", linewidth=0)
         count = sum(float(row["cohesion"]) == one and row["certified"] != "True" for row in rows)
         text = f"{count} not\ncertified"
-        axes.text(one, 0.5, text, transform=axes.get_xaxis_transform(), fontsize=7, ha="center", color="#555a63")
+        place = axes.get_xaxis_transform()
+        axes.text(one, 0.13, text, transform=place, fontsize=7, ha="center", color="#555a63", backgroundcolor="white")
 
 
 @described(__doc__)
