@@ -1,4 +1,4 @@
-"""Averages of exact stress fields: what walls are judged by, in a plate with a hole and in a ring under pressure.
+"""Averages of exact stresses: a plate with a hole, and a ring under pressure.
 
     python -m tools.references averages
 

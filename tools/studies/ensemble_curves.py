@@ -1,4 +1,4 @@
-"""Gaps over shear with their scatter: 3x3 tissues of irregular cells, empty, under pressure, and filled.
+"""Gaps over shear with their scatter over irregular 3x3 tissues.
 
     python -m tools.studies ensemble-curves pressure [--seeds 5] [--show]     docs/ensemble-pressure.png
     python -m tools.studies ensemble-curves inclusion                         docs/ensemble-inclusion.png

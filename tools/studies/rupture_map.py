@@ -1,4 +1,4 @@
-"""Separated or burst: which comes first, over the strength of cohesion and that of walls, at three pressures.
+"""Separated or burst: which comes first, by the strengths of cohesion and walls.
 
     python -m tools.studies rupture-map [--tissue 3x3] [--seeds 3] [--show]
 
