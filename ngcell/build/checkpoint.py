@@ -16,12 +16,13 @@ from numpy.typing import NDArray
 from ngcell.mechanics.term import Drive
 from ngcell.results.measure import WorkPoint
 from ngcell.results.onset import PairOnsets
+from ngcell.results.rupture.cells import CellEnds
 from ngcell.solve.strategies.strategy import Progress
 
 Array = NDArray[np.float64]
 
 _DISPLACEMENT, _WORK, _MEMORY, _COUNT, _ONSETS = "displacement_", "work_", "memory_", "count", "onsets"
-_REPORTED, _LEVEL = "reported_", "level_"
+_REPORTED, _LEVEL, _ENDS = "reported_", "level_", "ends"
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +46,8 @@ class Checkpoint:
         Displacement of all unknowns of the last step of each phase, on the mesh that it was reported on [length].
     levels : mapping of str to int
         Number of that mesh.
+    ends : CellEnds, optional
+        How cells have ended so far, where it is known what walls bear and steps were accepted.
     """
 
     count: int = 0
@@ -54,6 +57,7 @@ class Checkpoint:
     onsets: PairOnsets | None = None
     reported: Mapping[str, Array] = field(default_factory=dict)
     levels: Mapping[str, int] = field(default_factory=dict)
+    ends: CellEnds | None = None
 
     @property
     def progress(self) -> Progress:
@@ -84,6 +88,7 @@ class Checkpoint:
             **{f"{_WORK}{phase}": _row(point) for phase, point in self.work.items()},
             **{f"{_MEMORY}{name}": values for name, values in self.memory.items()},
             **({} if self.onsets is None else {_ONSETS: self.onsets.array()}),
+            **({} if self.ends is None else {_ENDS: self.ends.array()}),
             **{f"{_REPORTED}{phase}": values for phase, values in self.reported.items()},
             **{f"{_LEVEL}{phase}": np.array(level) for phase, level in self.levels.items()},
         }
@@ -110,7 +115,8 @@ class Checkpoint:
         work = {phase: _point(values.tolist()) for phase, values in part(_WORK).items()}
         onsets = PairOnsets.from_array(arrays[_ONSETS]) if _ONSETS in arrays else None
         levels = {phase: int(level) for phase, level in part(_LEVEL).items()}
-        return cls(int(arrays[_COUNT]), displacement, work, part(_MEMORY), onsets, part(_REPORTED), levels)
+        ends = CellEnds.from_array(arrays[_ENDS]) if _ENDS in arrays else None
+        return cls(int(arrays[_COUNT]), displacement, work, part(_MEMORY), onsets, part(_REPORTED), levels, ends)
 
 
 def _row(point: WorkPoint) -> Array:

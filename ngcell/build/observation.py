@@ -29,6 +29,7 @@ from ngcell.results.observables.observable import Observable, observed
 from ngcell.results.onset import PairOnsets
 from ngcell.results.quantities import View
 from ngcell.results.record import StepRecord
+from ngcell.results.rupture.cells import CellEnds, at_rest, followed, parting
 from ngcell.results.snapshot import Snapshot
 from ngcell.results.surface import pressed_lengths, wall_fields
 from ngcell.results.walls import (
@@ -95,7 +96,8 @@ class Observer:
     def start(self) -> Checkpoint:
         """Return where a run starts whose bodies are in equilibrium at rest: no energy, and the gaps of the mesh."""
         onsets = PairOnsets.starting(0.0, self.gaps_at_rest, self._setup.facing.thickness)
-        return Checkpoint(work={"tied": WorkPoint(), "released": WorkPoint()}, onsets=onsets)
+        ends = None if self._setup.strength is None else at_rest(self._bodies.body_count)
+        return Checkpoint(work={"tied": WorkPoint(), "released": WorkPoint()}, onsets=onsets, ends=ends)
 
     def step(
         self,
@@ -134,9 +136,11 @@ class Observer:
         after = checkpoint.after(accepted.phase, _state(accepted).at.displacement, measured.work)
         view = View(problem, _state(accepted), self._setup.walls, self._setup.motion, measured.reaction)
         columns, fields = observed(self._observables, view)
+        bears, ends = self._rupture(view, measured, checkpoint, accepted, errors)
+        after = replace(after, ends=ends)
         components = self._components(problem, measured)
         record = self._record(checkpoint.count, accepted, measured, components, seconds)
-        record = _with_errors(replace(record, more={**record.more, **columns}), errors)
+        record = _with_errors(replace(record, more={**record.more, **columns, **bears}), errors)
         step = Step(record, [], [], measured, view.state.at.displacement, None, [], after, accepted.effort, self._mesh)
         is_level = any(np.isclose(accepted.load_factor, level) for level in self._levels)
         if accepted.phase == "tied" or not is_level:
@@ -162,7 +166,8 @@ class Observer:
             body_data={"free": free, **held, **fields},
         )
         snapshot = Snapshot(record.step, record.load_factor, record.plate_displacement, bulk, walls)
-        cells = cell_records(components, measured, record.step, record.plate_displacement, held.get("cell_pressure"))
+        pressures, ends = held.get("cell_pressure"), step.checkpoint.ends
+        cells = cell_records(components, measured, record.step, record.plate_displacement, pressures, ends)
         return replace(
             step,
             walls=wall_records(facing, measured, record.step, onsets.onset, pressed),
@@ -171,6 +176,20 @@ class Observer:
             findings=list(compare(self._expected, record, view, self._levels[-1])),
             checkpoint=replace(step.checkpoint, onsets=onsets),
         )
+
+    def _rupture(
+        self, view: View, measured: Measurement, checkpoint: Checkpoint, accepted: Accepted, errors: Errors
+    ) -> tuple[dict[str, float], CellEnds | None]:
+        """Return the columns of the walls' utilisation, and how cells have ended; nothing where no strength is said."""
+        strength, before = self._setup.strength, checkpoint.ends
+        if strength is None:
+            return {}, None
+        found = strength.utilisation(view.problem.terms, view.state.at.displacement)
+        columns = found.columns(errors.utilisation)
+        if accepted.phase == "tied":
+            return columns, before
+        parted = parting(self._setup.facing, measured.gap, view.problem, view.state.at)
+        return columns, followed(before, accepted.load_factor, found.of_body, parted, view.problem, view.state.at)
 
     def _measure(
         self, accepted: Accepted, problem: Problem, checkpoint: Checkpoint, path: Path, judged: Sequence[Check]

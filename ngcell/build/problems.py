@@ -31,6 +31,7 @@ from ngcell.problem.problem import Problem
 from ngcell.problem.tie import tie_walls
 from ngcell.results.equilibrium import Setup
 from ngcell.results.overlap import deepest_overlap_of_bodies
+from ngcell.results.rupture.strength import wall_strength
 from ngcell.scene import AnyCase, BodyScene, Case
 from ngcell.solve.continuation import Continuation
 from ngcell.solve.effort import Budget
@@ -84,6 +85,7 @@ class Problems:
             modulus=min(law.shear_modulus for law in built.walls),
             # What ends earlier is told as an error; bonds, whose errors are not estimated, are followed to the end.
             accuracy=self.accuracy if scene.cohesion is None else inf,
+            strength=wall_strength(self.space, built.walls),
         )
         self._terms = (*built.terms, *(own(self.space) for own in terms))
         check_balance(self.space, self._terms, self.motion.fixed)

@@ -10,6 +10,7 @@ from ngcell.results.certificate import worst
 from ngcell.results.growth import growth_onset
 from ngcell.results.record import StepRecord
 from ngcell.results.report import StepReport
+from ngcell.results.rupture.load import rupture_load
 
 
 def run_summary(
@@ -50,11 +51,34 @@ def run_summary(
         "debonding": next((step.debonding for step in reversed(steps) if step.debonding), {}),
         "onset_of_growth": onset_of_growth(simulation, steps),
         "onset_is_a_bound": _onset_is_a_bound(simulation, steps),
+        **_rupture(simulation, steps),
         "iterations": sum(step.record.iterations for step in steps),
         "factorisations": sum(step.record.factorisations for step in steps),
         "refused": sum(step.refused for step in steps),
         "cut_backs": sum(step.cutbacks for step in steps),
         "last_step": asdict(last.record) if last else None,
+    }
+
+
+def _rupture(simulation: Simulation, steps: list[StepReport]) -> dict[str, Any]:
+    """Return the load at which the first wall would rupture, beside the load at which walls separate, and the work
+    spent on both; nothing where it is not known what walls bear."""
+    if simulation.setup.strength is None or not _released(steps):
+        return {}
+    records, last = _released(steps), _released(steps)[-1]
+    debonding: dict[str, Any] = dict(next((step.debonding for step in reversed(steps) if step.debonding), {}))
+    found = rupture_load(records, starts_at_rest=simulation.starts_at_rest)
+    largest = max(records, key=lambda record: record.more["utilisation"])
+    return {
+        "rupture": {
+            "load": None if found is None else asdict(found),
+            "largest_utilisation": largest.more["utilisation"],
+            "largest_utilisation_error": largest.more["utilisation_error"],
+            "first_separation": debonding.get("first_separation"),
+            "cells": debonding.get("cells", {}),
+            "work_of_separation": last.separation_energy + last.dissipation,
+            "work_of_rupture": debonding.get("burst_energy", 0.0),
+        }
     }
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import isfinite
+from math import isfinite, nan
 from pathlib import Path
 from shlex import quote
 from textwrap import wrap
@@ -32,6 +32,7 @@ def summary_lines(recording: Recording, folder: Path) -> Iterator[str]:
     apart = came_apart(summary)
     if apart:
         yield from wrap(f"came apart   {apart}", _WIDTH, subsequent_indent=" " * 13, break_on_hyphens=False)
+    yield from rupture_lines(summary.get("rupture", {}))
     yield from expected_lines(summary.get("expected", ()))
     yield from stiffer_lines(summary.get("stiffer_penalty", {}))
     seconds = (summary.get("seconds") or {}).get("on_the_clock")
@@ -50,6 +51,27 @@ def number_lines(summary: Mapping[str, Any]) -> Iterator[str]:
     yield f"how sure     {refused}{moved}load factor {last['load_factor']:.4g}; {remark}"
     for name, (value, error) in last_numbers(summary).items():
         yield f"  {_words(name):13}  {with_error(value, error)}"
+
+
+def rupture_lines(table: Mapping[str, Any]) -> Iterator[str]:
+    """Yield where walls would rupture and separate, and how cells end; nothing where it is not known what walls bear.
+    """
+    if not table:
+        return
+    load, first = table["load"], table["first_separation"]
+    if load is None:
+        largest = with_error(table["largest_utilisation"], table["largest_utilisation_error"] or nan)
+        yield f"rupture      of no wall; largest utilisation {largest}"
+    elif load["between"][0] == load["between"][1]:
+        yield f"rupture      of cell {load['cell']} at load factor {load['load_factor']:.4g} or before"
+    else:
+        told = with_error(load["load_factor"], load["error"])
+        untold = "" if isfinite(load["error"]) else ", error of the mesh not estimated"
+        yield f"rupture      of cell {load['cell']} at load factor {told}{untold}"
+    yield f"separation   {'of no walls' if first is None else f'from load factor {first:.4g} on'}"
+    yield f"cells        {', '.join(f'{len(cells)} {end}' for end, cells in table['cells'].items())}"
+    work = (f"{_shown(table[f'work_of_{what}'])} of {what}" for what in ("separation", "rupture"))
+    yield f"work         {', '.join(work)}"
 
 
 def expected_lines(findings: Sequence[Mapping[str, Any]]) -> Iterator[str]:

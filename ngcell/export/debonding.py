@@ -14,6 +14,7 @@ from ngcell.export.curves import load_axis, released_steps
 from ngcell.export.picture import DPI, INK, SOFT_INK, mark_uncertified, save_png, style_axes
 from ngcell.export.plan import places, wall_lines
 from ngcell.results.record import StepRecord
+from ngcell.results.rupture.cells import BURST, SEPARATED, WHOLE, end_of
 from ngcell.results.snapshot import Grid
 
 if TYPE_CHECKING:
@@ -27,11 +28,19 @@ PairOnset = tuple[int, int, float]
 # layout takes as long as everything else.
 _SHARE_PANEL, _COMPONENTS_PANEL = (0.063, 0.545, 0.36, 0.41), (0.063, 0.105, 0.36, 0.41)
 _PLAN_PANEL, _BAR_PANEL = (0.455, 0.06, 0.44, 0.86), (0.91, 0.165, 0.0155, 0.67)
+#: Colour and marker of how cells end.
+_ENDS = {WHOLE: ("#ffffff", "o"), SEPARATED: ("#1f5f8b", "s"), BURST: ("#b3361e", "X")}
 _OPEN, _PARTED, _COMPONENTS, _LARGEST, _CLOSED = "#1f5f8b", "#4a7a3a", "#b3361e", "#c98a1b", "#d5d9df"
 
 
 def draw_debonding(
-    history: Sequence[StepRecord], pairs: Sequence[PairOnset], cells: Grid, path: Path, *, certified: bool
+    history: Sequence[StepRecord],
+    pairs: Sequence[PairOnset],
+    cells: Grid,
+    path: Path,
+    *,
+    certified: bool,
+    ends: Sequence[str] = (),
 ) -> Path:
     """Draw open walls and connected components over the load, and a plan of the walls, coloured by where they opened.
 
@@ -48,6 +57,8 @@ def draw_debonding(
         The PNG file.
     certified : bool
         Whether the result passed every check.
+    ends : sequence of str
+        How each cell has ended, "whole", "separated" or "burst"; empty where it is not known what walls bear.
 
     Returns
     -------
@@ -79,6 +90,7 @@ def draw_debonding(
     share.tick_params(labelbottom=False)
     components.set_xlabel(name, color=INK)
     _draw_plan(figure, plan, pairs, cells)
+    _draw_ends(plan, cells, ends)
     if not certified:
         mark_uncertified(figure)
     return save_png(figure, path)
@@ -90,6 +102,28 @@ def read_last_pairs(path: Path) -> list[PairOnset]:
         rows = list(csv.DictReader(file))
     last = [row for row in rows if row["step"] == rows[-1]["step"]]
     return [(int(row["cell_a"]), int(row["cell_b"]), float(row["onset"])) for row in last]
+
+
+def read_last_ends(path: Path) -> list[str]:
+    """Return how each cell has ended at the last level in a table; nothing where it does not tell."""
+    with path.open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    if not rows or "burst_at" not in rows[0]:
+        return []
+    last = [row for row in rows if row["step"] == rows[-1]["step"]]
+    return [end_of(float(row["burst_at"]), float(row["separated_at"])) for row in last]
+
+
+def _draw_ends(axes: Axes, cells: Grid, ends: Sequence[str]) -> None:
+    """Mark each cell by how it has ended."""
+    if not ends:
+        return
+    (place, _), found = places(cells), np.array(ends)
+    for end, (colour, marker) in _ENDS.items():
+        mine = place[found == end]
+        label = f"{len(mine)} {end}"
+        axes.scatter(mine[:, 0], mine[:, 1], s=110, c=colour, marker=marker, label=label, edgecolor=INK, linewidth=0.6)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.01), ncols=3, frameon=False, fontsize=9, labelcolor=INK)
 
 
 def _curve(axes: Axes, load: NDArray[Any], values: Sequence[float], label: str, colour: str) -> None:

@@ -22,13 +22,14 @@ from numpy.typing import NDArray
 from ngcell.errors import OutputError
 from ngcell.export.atomic import output_errors, replace_file
 from ngcell.export.curves import draw_curves
-from ngcell.export.debonding import PairOnset, draw_debonding, read_last_pairs
+from ngcell.export.debonding import PairOnset, draw_debonding, read_last_ends, read_last_pairs
 from ngcell.export.ownership import CASE_FILE, PROGRAM, claim_folder, clear_folder, held_already, holds_result
 from ngcell.export.picture import draw_tissue
 from ngcell.export.restart import RESTART, Restart, cannot_resume, read_restart, write_restart
 from ngcell.export.series import SnapshotSeries, read_last_snapshot
 from ngcell.export.summary import CASE_TEXT, read_summary, write_summary
 from ngcell.export.tables import RecordTable
+from ngcell.results.cells import end_of_cell
 from ngcell.results.record import CellRecord, StepRecord, WallRecord
 from ngcell.results.report import StepReport
 from ngcell.results.snapshot import Snapshot
@@ -84,6 +85,7 @@ class ResultFolder:
         self._history = [report.record for report in self._reports]
         self._last: Snapshot | None = None
         self._pairs: Sequence[PairOnset] = ()
+        self._ends: Sequence[str] = ()
         self._is_open = self._drawn = self._finished = False
 
     def __enter__(self) -> Self:
@@ -135,6 +137,7 @@ class ResultFolder:
         try:
             self._open_tables({name: restart.table_sizes[name] for name in _TABLES})
             self._pairs = read_last_pairs(self.path / "walls.csv")
+            self._ends = read_last_ends(self.path / "cells.csv")
         except (OutputError, KeyError) as error:
             raise cannot_resume(self.path, str(error)) from error
         self._series.write_list()
@@ -196,6 +199,7 @@ class ResultFolder:
         self._history.append(record)
         self._last = snapshot or self._last
         self._pairs = [(row.cell_a, row.cell_b, row.onset) for row in walls] or self._pairs
+        self._ends = [end_of_cell(row) for row in cells if row.more] or self._ends
         if report is not None and checkpoint is not None:
             self._reports.append(report)
             self._remember(checkpoint)
@@ -235,8 +239,8 @@ class ResultFolder:
         if self._history:
             draw_curves(self._history, self.path / "gap.png", certified=certified, onset=onset)
         if self._pairs and self._last is not None:
-            place = self.path / "debonding.png"
-            draw_debonding(self._history, self._pairs, self._last.bulk, place, certified=certified)
+            drawn = self._history, self._pairs, self._last.bulk, self.path / "debonding.png"
+            draw_debonding(*drawn, certified=certified, ends=self._ends)
 
     def finish(self, summary: Mapping[str, Any]) -> None:
         """Write the summary of the ended run, after the pictures if `draw` was not called.

@@ -49,6 +49,9 @@ class BodyMesh:
         Which elements fill a lumen, bonded to their wall; they form the material region `FILLING`. By default none do.
     is_end_wall : array of bool, shape (elements,), optional
         Which elements close lumens of prisms; by default none do.
+    is_swept : bool
+        Whether bodies are planar rings of quadrilaterals, swept along their outlines: those around lumens have their
+        first two nodes along the outer side of their layer, and the fourth behind the first on its inner side.
     extent : array of float, shape (2, dimension)
         Smallest and largest coordinates [length].
     """
@@ -61,6 +64,7 @@ class BodyMesh:
     thickness: float
     is_filling: NDArray[np.bool_] | None = None
     is_end_wall: NDArray[np.bool_] | None = None
+    is_swept: bool = False
     thickness_of_body: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
     extent: NDArray[np.float64] = field(init=False)
 

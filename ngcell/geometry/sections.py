@@ -90,6 +90,7 @@ class Section:
             thickness=thickness,
             is_filling=np.repeat([False, True], [len(body), len(filling)]) if filled else None,
             is_end_wall=is_end_wall,
+            is_swept=mesh.dim == 2,
         )
 
 

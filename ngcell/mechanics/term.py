@@ -267,6 +267,11 @@ class Term(ABC):
         """Return fields with one value a body, by name."""
         return {}
 
+    def bonds_at(self, at: Configuration) -> tuple[Index, Array, NDArray[np.bool_]] | None:
+        """Return the two bodies of each bond, shape (bonds, 2), the lower number first, the length that it stands for
+        [length], and whether it is broken; None for a term without bonds."""
+        return None
+
     def columns(self, at: Configuration) -> dict[str, float]:
         """Return numbers for the table of steps, by name of the column."""
         return {}

@@ -59,6 +59,27 @@ def columns(terms: Sequence[Term], at: Configuration) -> dict[str, float]:
     return {name: number for term in terms for name, number in term.columns(at).items()}
 
 
+def stored_in_bodies(terms: Sequence[Term], at: Configuration, bodies: int) -> Array:
+    """Return what each of so many bodies stores [energy], shape (bodies,)."""
+    total = np.zeros(bodies)
+    for term in terms:
+        part = term.stored_in_bodies(at)
+        total = total if part is None else total + part
+    return total
+
+
+def broken_share(terms: Sequence[Term], at: Configuration, pairs: Index) -> Array:
+    """Return the share of the bonds of each pair of bodies, shape (pairs, 2), that are broken; NaN without bonds."""
+    numbers = {(int(one), int(two)): number for number, (one, two) in enumerate(pairs)}
+    length, broken = np.zeros(len(pairs)), np.zeros(len(pairs))
+    for bodies, weight, is_broken in filter(None, (term.bonds_at(at) for term in terms)):
+        pair = np.array([numbers.get((int(one), int(two)), -1) for one, two in bodies], dtype=np.int64)
+        known = pair >= 0
+        length += np.bincount(pair[known], weight[known], len(pairs))
+        broken += np.bincount(pair[known], (weight * is_broken)[known], len(pairs))
+    return np.asarray(np.divide(broken, length, out=np.full(len(pairs), np.nan), where=length > 0))
+
+
 def checks(terms: Sequence[Term], at: Configuration, scales: Scales) -> tuple[Check, ...]:
     """Return the checks of all terms."""
     return tuple(check for term in terms for check in term.checks(at, scales))

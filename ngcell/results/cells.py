@@ -11,13 +11,19 @@ from numpy.typing import NDArray
 
 from ngcell.results.measure import Measurement
 from ngcell.results.record import CellRecord, WallRecord
+from ngcell.results.rupture.cells import BURST, ENDS, CellEnds, end_of
 from ngcell.results.walls import CellComponents
 
 Array = NDArray[np.float64]
 
 
 def cell_records(
-    found: CellComponents, measured: Measurement, step: int, plate_displacement: float, pressure: Array | None
+    found: CellComponents,
+    measured: Measurement,
+    step: int,
+    plate_displacement: float,
+    pressure: Array | None,
+    ends: CellEnds | None = None,
 ) -> list[CellRecord]:
     """Return a row for each cell of a step."""
     return [
@@ -30,6 +36,7 @@ def cell_records(
             component=int(component),
             component_size=int(found.sizes[component]),
             held=cell not in measured.free_bodies,
+            more={} if ends is None else ends.columns(cell),
         )
         for cell, component in enumerate(found.of_body)
     ]
@@ -47,4 +54,22 @@ def debonding(walls: Sequence[WallRecord], cells: Sequence[CellRecord]) -> dict[
         "component_sizes": sorted(sizes.values(), reverse=True),
         "smallest_cell_pressure": min(pressures),
         "largest_cell_pressure": max(pressures),
+        **_ends(cells),
     }
+
+
+def end_of_cell(row: CellRecord) -> str:
+    """Return how a cell has ended until this row: one of `ngcell.results.rupture.cells.ENDS`; empty where nobody knows.
+    """
+    return end_of(row.more["burst_at"], row.more["separated_at"]) if row.more else ""
+
+
+def _ends(cells: Sequence[CellRecord]) -> dict[str, Any]:
+    """Return how cells have ended, and the energy of those that have burst; nothing where nobody knows what walls bear.
+    """
+    if not cells[0].more:
+        return {}
+    found = {end: [row.cell for row in cells if end_of_cell(row) == end] for end in ENDS}
+    first = [row.more["separated_at"] for row in cells if not isnan(row.more["separated_at"])]
+    energy = sum((row.more["burst_energy"] for row in cells if end_of_cell(row) == BURST), 0.0)
+    return {"cells": found, "first_separation": min(first, default=None), "burst_energy": energy}

@@ -20,6 +20,7 @@ from ngcell.results.error import Numbers
 from ngcell.results.forces import ContactForces, contact_forces
 from ngcell.results.growth import ONSET
 from ngcell.results.quadrature import quadrature_error
+from ngcell.results.rupture.strength import WallStrength
 
 Array = NDArray[np.float64]
 
@@ -51,6 +52,8 @@ class Setup:
         Shear modulus of the softest wall [stress].
     accuracy : float
         Relative error by which the path of released walls ends; infinite where it goes to its own end.
+    strength : WallStrength, optional
+        What walls bear; by default nobody says it, and nothing of rupture is reported.
     """
 
     walls: Surface
@@ -60,6 +63,7 @@ class Setup:
     prescribed_displacement: Array
     modulus: float
     accuracy: float
+    strength: WallStrength | None = None
 
 
 class Held(Protocol):
@@ -111,7 +115,7 @@ def balance_of(setup: Setup, problem: Problem, state: State, proximal_force: Arr
 
 def numbers_of(setup: Setup, problem: Problem, state: State, proximal: Held) -> Numbers:
     """Return the numbers of a state, held by a proximal term, that errors are estimated for."""
-    at = state.displacement
+    at, displacement = state.displacement, state.at.displacement
     pull = -proximal.gradient(at, problem.mass)
     balance = balance_of(setup, problem, state, pull)
     thickness, proximal_energy = problem.space.bodies.thickness, proximal.value(at, problem.mass)
@@ -130,6 +134,7 @@ def numbers_of(setup: Setup, problem: Problem, state: State, proximal: Held) -> 
         scales=(scales.energy, force, ONSET * thickness),
         besides=overlap_work + proximal_energy + quadrature_error(problem.terms, state.at),
         overlap=overlap_work / max(balance.forces.total, force * _NO_FORCE),
+        utilisation=0.0 if setup.strength is None else setup.strength.utilisation(problem.terms, displacement).largest,
         pulled=float(np.linalg.norm(problem.resultants(pull).sum(0))),
     )
 

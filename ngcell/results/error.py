@@ -14,9 +14,9 @@ of it before falls by no more than the share. The first mesh, on which the load 
 is told by it to be remembered so.
 
 Beside the mesh, the energy errs by contact that is not rigid, at most by forces times overlaps, and by what the
-proximal term still holds; forces, as derivatives of the energy along the load, by the same share of themselves, and
-that of supports by what the proximal term takes of it; and gaps, since walls overlap, by the mean overlap under the
-forces between them.
+proximal term still holds; forces, as derivatives of the energy along the load, and the utilisation of walls by the same
+share of themselves, and that of supports by what the proximal term takes of it; and gaps, since walls overlap, by the
+mean overlap under the forces between them.
 """
 
 from __future__ import annotations
@@ -65,6 +65,8 @@ class Numbers:
         Mean overlap of walls, weighted by the forces between them [length], >= 0.
     pulled : float
         What the proximal term that is left takes of the force from one support to the other [stress * length].
+    utilisation : float
+        Largest utilisation of walls [1]; 0 where their strength is not known.
     """
 
     potential: float
@@ -77,6 +79,7 @@ class Numbers:
     besides: float = 0.0
     overlap: float = 0.0
     pulled: float = 0.0
+    utilisation: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -103,6 +106,8 @@ class Errors:
     ----------
     energy, plate_force, contact_force, mean_gap, largest_gap : float
         Errors of the numbers of the same names.
+    utilisation : float
+        Error of the largest utilisation, which is told and not judged.
     relative : float
         The largest relative error of energy, plate force and mean gap.
     """
@@ -113,6 +118,7 @@ class Errors:
     mean_gap: float = nan
     largest_gap: float = nan
     relative: float = nan
+    utilisation: float = nan
 
     def check(self, accuracy: float) -> Check:
         """Return the check of the certificate: a number that is not known fails it."""
@@ -123,7 +129,7 @@ class Errors:
 NO_ERRORS = Errors()
 #: Numbers whose errors are reported.
 ERROR_NAMES = ("energy", "plate_force", "contact_force", "mean_gap", "largest_gap")
-_TOLD = ("potential", *ERROR_NAMES)
+_TOLD = ("potential", "utilisation", *ERROR_NAMES)
 
 
 def estimate(found: Sequence[Numbers], refined: Sequence[Refining], *, of_last: bool = True) -> Errors:
@@ -173,7 +179,8 @@ def _with_contact(last: Numbers, told: dict[str, float]) -> Errors:
     mean, largest = told["mean_gap"] + last.overlap, told["largest_gap"] + last.overlap
     gap_scale = max(abs(last.mean_gap), gap_scale)
     relative = max(energy / size, force / max(plate, force_scale), mean / gap_scale)
-    return Errors(energy, force, contact, mean, largest, relative)
+    utilisation = told["utilisation"] + softness * last.utilisation
+    return Errors(energy, force, contact, mean, largest, relative, utilisation)
 
 
 def _change(one: Numbers, two: Numbers, name: str) -> float:

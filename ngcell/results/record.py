@@ -173,6 +173,10 @@ class CellRecord:
         Number of cells in this component.
     held : bool
         Whether a support or a contact force holds the cell; one that floats has no place determined by equilibrium.
+    more : mapping of str to float
+        Further columns, by name: where it is known what walls bear, the `utilisation` of the cell's wall [1], the load
+        factors `burst_at` and `separated_at`, NaN where they were not reached, and the energy that the cell stored
+        where its wall ruptured, `burst_energy` [stress * length**3].
     """
 
     step: int
@@ -183,3 +187,4 @@ class CellRecord:
     component: int
     component_size: int
     held: bool
+    more: Mapping[str, float] = field(default_factory=dict)

@@ -200,18 +200,33 @@ def _bracket(function: Callable[[float], float], start: float, ratio: float) -> 
 
 def _across(solid: RadialSolid, start: float, end: float, radius: float, pressure: float) -> tuple[float, float]:
     """Radius and pressure on the circle of reference radius `end`, from those on that of `start`."""
+    position, stretch = profile(solid, start, end, radius, pressure)(end)
+    return float(position), _pressure(solid, end, float(position), float(stretch))
+
+
+def profile(
+    solid: RadialSolid, start: float, end: float, radius: float, pressure: float
+) -> Callable[[Any], tuple[Any, Any]]:
+    """r and r' at reference radii from `start` to `end`, where the circle of `start` has a radius and bears a pressure.
+    """
 
     def excess(stretch: float) -> float:
         return _pressure(solid, start, radius, stretch) - pressure
 
     isochoric = (start / radius) ** solid.around
     stretch = brentq(excess, 0.5 * isochoric, 2.0 * isochoric, xtol=1e-15)
-    position, stretch = _march(solid, start, end, radius, stretch)
-    return position, _pressure(solid, end, position, stretch)
+    path = _path(solid, start, end, radius, stretch)
+    return lambda place: (path.sol(place)[0], path.sol(place)[1])
 
 
 def _march(solid: RadialSolid, start: float, end: float, radius: float, stretch: float) -> tuple[float, float]:
     """r and r' at `end`, from those at `start`."""
+    position, slope = _path(solid, start, end, radius, stretch).y[:, -1]
+    return float(position), float(slope)
+
+
+def _path(solid: RadialSolid, start: float, end: float, radius: float, stretch: float) -> Any:
+    """r and r' from `start` to `end`, as scipy returns them."""
 
     def rate(place: float, state: Any) -> list[Any]:
         position, radial = state
@@ -221,9 +236,7 @@ def _march(solid: RadialSolid, start: float, end: float, radius: float, stretch:
         change = by_tangential * (radial - tangential) / place + solid.around * (along - around) / place
         return [radial, -change / by_radial]
 
-    path = solve_ivp(rate, (start, end), (radius, stretch), method="DOP853", rtol=1e-12, atol=1e-13)
-    position, slope = path.y[:, -1]
-    return float(position), float(slope)
+    return solve_ivp(rate, (start, end), (radius, stretch), method="DOP853", rtol=1e-12, atol=1e-13, dense_output=True)
 
 
 def _pressure(solid: RadialSolid, rest: float, radius: float, stretch: float) -> float:

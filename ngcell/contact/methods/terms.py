@@ -216,6 +216,10 @@ class CohesionTerm(Term):
         facets = np.column_stack([pairs.primary, pairs.secondary])
         return Interaction(self.bonds.bodies, facets, force, np.zeros(len(force)))
 
+    def bonds_at(self, at: Configuration) -> tuple[Index, Array, NDArray[np.bool_]]:
+        """Return the two bodies of each bond, its length, and whether it was opened beyond its strength."""
+        return self.bonds.bodies, self.bonds.weight, self.bonds.broken(at.positions)
+
     def columns(self, at: Configuration) -> dict[str, float]:
         """Return the energy of separation, and the share of length that was never opened beyond its strength."""
         broken = float(self.bonds.weight @ self.bonds.broken(at.positions) / self.bonds.weight.sum())

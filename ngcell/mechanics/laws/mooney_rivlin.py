@@ -18,11 +18,11 @@ from typing import Annotated, Any, Literal, Self
 import ngsolve
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel
+from pydantic import BaseModel, Field, model_validator
 
 from ngcell.mechanics.laws.law import FibreLaw, plane_strain_modulus
 from ngcell.scene.choice import OneOf
-from ngcell.scene.scope import refuse
+from ngcell.scene.scope import is_planar, refuse
 from ngcell.scene.section import SECTION, NonNegativeNumber, PositiveNumber
 
 Array = NDArray[np.float64]
@@ -41,6 +41,13 @@ class MooneyRivlin(BaseModel):
         Modulus of the volumetric energy ``bulk_modulus/2 (ln J)**2``, a stress, > 0.
     fibres : ExponentialFibres or QuadraticFibres, optional
         Fibres in it, which add to the stored energy given here; by default there are none.
+    strength : float, optional
+        Largest principal Cauchy stress that a planar wall bears on average, a stress, > 0. The load at which it would
+        rupture is told; the wall is not changed.
+    stretch_limit : float, optional
+        Largest principal stretch that it bears on average, > 1.
+    rupture_length : float, optional
+        Length of these averages [length], > 0; by default the thickness of the wall.
     """
 
     model_config = SECTION
@@ -50,12 +57,29 @@ class MooneyRivlin(BaseModel):
     c2: NonNegativeNumber
     bulk_modulus: PositiveNumber
     fibres: Annotated[FibreLaw, OneOf("fibres")] | None = None
+    strength: PositiveNumber | None = None
+    stretch_limit: Annotated[float, Field(gt=1)] | None = None
+    rupture_length: PositiveNumber | None = None
 
     def check_scope(self, scene: dict[str, Any]) -> None:
         """Refuse a direction of the fibres in a tissue, whose walls have directions of their own."""
         if "tissue" in scene and self.fibres is not None and self.fibres.direction is not None:
             what = "is that of the wall in a tissue; allowed: no direction, or angles from the wall's"
             refuse(what, "fibres", "direction")
+        if "tissue" in scene and not is_planar(scene) and self.ruptures:
+            key = "strength" if self.strength is not None else "stretch_limit"
+            refuse("is that of planar walls; allowed: only without tissue.height", key)
+
+    @model_validator(mode="after")
+    def _length_of_an_average(self) -> Self:
+        if self.rupture_length is not None and not self.ruptures:
+            refuse("averages nothing; allowed: beside strength or stretch_limit", "rupture_length")
+        return self
+
+    @property
+    def ruptures(self) -> bool:
+        """Whether it is said what walls bear."""
+        return self.strength is not None or self.stretch_limit is not None
 
     @property
     def shear_modulus(self) -> float:

@@ -36,6 +36,9 @@ class Inclusion(BaseModel):
     def _without_fibres(cls, material: Any) -> Any:
         if material.fibres is not None:
             refuse("run along walls, which a lumen has none of; allowed: no fibres in an inclusion", "fibres")
+        for key in ("strength", "stretch_limit"):
+            if getattr(material, key, None) is not None:
+                refuse("is that of walls; allowed: only in [material]", key)
         return material
 
     @property
