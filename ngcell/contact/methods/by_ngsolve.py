@@ -1,6 +1,6 @@
 """Contact by NGSolve's own contact boundary: its section in a case, its continuation stages, and its term.
 
-NGSolve finds the pairs, integrates the penalty energy over Gauss points of both walls, and differentiates it. The
+NGSolve finds the pairs, sums the penalty energy over the quadrature points of both walls, and differentiates it. The
 solver treats that energy as any other, smooth but for the kink where a wall closes. What is measured of an equilibrium,
 and what the certificate judges, comes from the package's own pairs at the same points, and the energies of both are
 compared: a pair that NGSolve finds elsewhere is not certified.
@@ -8,16 +8,14 @@ compared: a pair that NGSolve finds elsewhere is not certified.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import ClassVar, Literal
 
-import ngsolve
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel
 from scipy import sparse
 
-from ngcell.contact.methods.ngsolve_boundary import BoundaryEnergy, integration_order
+from ngcell.contact.methods.ngsolve_boundary import BoundaryEnergy
 from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
 from ngcell.contact.methods.terms import ContactTerm
 from ngcell.contact.methods.wall_strip import WallStrip, coloured
@@ -82,7 +80,7 @@ class NgsolveTerm(ContactTerm):
     """
 
     def __init__(self, walls: EdgeSurface, stiffness: Array, reach: Reach) -> None:
-        super().__init__(PenaltyContact(with_gauss_points(walls), stiffness, reach, may_stiffen=False))
+        super().__init__(PenaltyContact(walls, stiffness, reach, may_stiffen=False))
         self._walls, self._reach = walls, reach
         self._colours = np.zeros(len(walls.thickness), dtype=np.int64)
         self._boundary: BoundaryEnergy | None = None
@@ -131,10 +129,3 @@ class NgsolveTerm(ContactTerm):
         apart = abs(self.value(at) - super().value(at)) / scales.at_stake
         meaning = "difference of the contact energies of NGSolve's pairs and of the package's own over the stored energy"
         return (*super().checks(at, scales), Check("pairs_of_ngsolve", apart, _APART, meaning))
-
-
-def with_gauss_points(walls: EdgeSurface) -> EdgeSurface:
-    """Return walls with the quadrature rule of `BoundaryEnergy`."""
-    rule = ngsolve.IntegrationRule(ngsolve.SEGM, integration_order(walls))
-    points, shares = np.array(rule.points)[:, 0], np.array(rule.weights)
-    return replace(walls, quadrature_points=points, weights=shares * walls.stretch(walls.rest, points))

@@ -4,8 +4,8 @@ For a point on one wall and its closest point on another, with ``a`` from the la
 tangent ``t`` and outward normal ``n`` of the secondary wall, the energy is that of the penalty on the gap ``a . n``. It
 is written in reference quantities with the *secondary* normal, which moves with the wall: at a closest point ``a`` is
 parallel to it, so that the force with frozen pairs is that of the energy whose pairs are found anew. The same holds for
-the tangent with the curvature correction of `ngcell.contact.gap.edge_gap`. Where the closest point is a corner, a point
-is outside and bears nothing, unless the corner is re-entrant: then the gap is its distance.
+the tangent with the curvature correction of `ngcell.contact.gap.edge_gap`. Where the closest point is no foot of a
+normal but a joint of two walls, the gap is the distance to it; points outside bear nothing.
 
 `ContactBoundary.normal`, the primary side's at the last update, would make forces that no energy has.
 """
@@ -21,14 +21,13 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ngcell.contact.methods.wall_strip import WallStrip
+from ngcell.contact.pairing.closest_on_edges import BLUNT, END_TOLERANCE
 from ngcell.contact.surface.edges import EdgeSurface
 from ngcell.mechanics.space import csr_matrix
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-#: How far a closest point may be beside the foot of a normal, as a share of the edge, and count as one.
-_FOOT = 1e-6
 #: Share of 1 that ``1 - k g`` is kept above; see `ngcell.contact.gap.edge_gap`.
 _LEAST = 0.1
 
@@ -50,39 +49,40 @@ class BoundaryEnergy:
 
     def __init__(self, walls: EdgeSurface, strip: WallStrip, stiffness: Array, reach: float) -> None:
         self._walls, self._strip, self._reach = walls, strip, reach
-        self._state, self._bend, rest = strip.field(), strip.field(), strip.field()
-        strip.put(rest, strip.relative(walls.rest))
-        self._order = integration_order(walls)
+        self._state, self._bend = (ngsolve.GridFunction(strip.vector) for _ in range(2))
+        self._corner = ngsolve.GridFunction(strip.scalar)
         self._map: sparse.csr_array | None = None
         self._form = ngsolve.BilinearForm(strip.vector)
-        energy = self._energy(_Gap(strip, walls, self._state, self._bend), stiffness, rest)
+        energy = self._energy(_Gap(strip, self._state, self._bend, self._corner), stiffness)
         self._boundaries = [self._boundary(one, two) for one, two in permutations(range(strip.colour_count), 2)]
         for boundary in self._boundaries:
             boundary.AddEnergy(energy)
 
     def _boundary(self, one: int, two: int) -> ngsolve.ContactBoundary:
-        regions = (self._strip.mesh.Boundaries(f"colour{colour}") for colour in (one, two))
-        return ngsolve.ContactBoundary(*regions)
+        boundaries = self._strip.mesh.Boundaries
+        return ngsolve.ContactBoundary(boundaries(f"point{one}"), boundaries(f"wall{two}"))
 
-    def _energy(self, gap: _Gap, stiffness: Array, rest: ngsolve.GridFunction) -> Any:
-        """Return the energy per length of a chord: of each pass half."""
-        mine = self._strip.linear(np.repeat(stiffness[:, None], 2, axis=1))
+    def _energy(self, gap: _Gap, stiffness: Array) -> Any:
+        """Return the energy per length of a short edge: of each pass half."""
+        strip, points = self._strip, self._walls.quadrature
+        own = stiffness[strip.facet]
+        mine = strip.linear(own, own)
         softer = ngsolve.IfPos(mine - mine.Other(), mine.Other(), mine)
-        along = gap.along
-        speed = ngsolve.Norm(along + ngsolve.Grad(rest) * along)
-        return (softer / 4 * speed * gap.squared).Compile()
+        weight = np.concatenate([np.zeros(self._walls.facet_count), points.weight]) / strip.lengths
+        return (strip.linear(weight, weight) * softer / 4 * gap.squared).Compile()
 
     def find(self, positions: Array) -> None:
         """Let NGSolve find the closest points at positions given as unknowns of bodies, shape (2, scalar unknowns)."""
         nodes = self._walls.nodes(positions)
         self._strip.put(self._state, self._strip.relative(nodes))
         bend = np.einsum("ki,eid->ekd", self._walls.basis.values(self._walls.basis.nodes, 2), nodes)
-        self._strip.put(self._bend, bend / self._strip.lengths[:, None, None] ** 2)
+        self._strip.put(self._bend, bend / self._strip.lengths[: len(nodes), None, None] ** 2)
+        self._corner.vec.data = self._strip.linear(*_corners(self._walls, nodes)[self._strip.facet].T).vec
         self._form.DeleteSpecialElements()
         for boundary in self._boundaries:
             # Regions of two colours have no body in common: nothing is gained by asking for opposed normals, and
             # energy would jump where a corner slides past another.
-            boundary.Update(self._state, self._form, intorder=self._order, maxdist=self._reach, both_sides=True)
+            boundary.Update(self._state, self._form, intorder=1, maxdist=self._reach, both_sides=True)
 
     def map(self, columns: int) -> sparse.csr_array:
         """Return the derivatives of the strip's unknowns by those of bodies, shape (strip's, 2 * columns)."""
@@ -106,36 +106,45 @@ class BoundaryEnergy:
         return csr_matrix(self._form.mat)
 
 
-def integration_order(walls: EdgeSurface) -> int:
-    """Return the degree to which NGSolve integrates along a wall: a Gauss point more than the order."""
-    return 2 * walls.basis.order + 1
-
-
 class _Gap:
-    """The gap of a pair, as an expression in the displacement of both sides."""
+    """The gap of a pair, as an expression in the displacement of both sides.
+
+    Parameters
+    ----------
+    strip : WallStrip
+        The mesh.
+    state, bend : ngsolve.GridFunction
+        Positions where pairs were found, and their second derivatives along the chords.
+    corner : ngsolve.GridFunction
+        What the ends of walls are, as `_corners` tells it.
+    """
 
     def __init__(
-        self, strip: WallStrip, walls: EdgeSurface, state: ngsolve.GridFunction, bend: ngsolve.GridFunction
+        self, strip: WallStrip, state: ngsolve.GridFunction, bend: ngsolve.GridFunction, corner: ngsolve.GridFunction
     ) -> None:
         trial, normal = strip.vector.TrialFunction(), ngsolve.specialcf.normal(2)
-        self.along = ngsolve.CF((-normal[1], normal[0]))
-        place, along = ngsolve.CF((ngsolve.x, ngsolve.y)), self.along.Other()
+        place, along = ngsolve.CF((ngsolve.x, ngsolve.y)), ngsolve.CF((-normal[1], normal[0])).Other()
         self._offset = place + trial - place.Other() - trial.Other()
         self._tangent = along + ngsolve.Grad(trial).Trace().Other() * along
         self._offset_found = place + state - place.Other() - state.Other()
         self._tangent_found = along + ngsolve.Grad(state).Other() * along
-        self._bend = bend.Other()
-        self._corner = strip.linear(walls.exterior_angle).Other()
-        self._length = strip.linear(np.repeat(strip.lengths[:, None], 2, axis=1)).Other()
+        self._bend, self._corner = bend.Other(), corner.Other()
+        self._length = strip.linear(strip.lengths, strip.lengths).Other()
+        whole = np.ones_like(strip.lengths)
+        self._along_wall = strip.linear(0 * whole, whole).Other()
 
     @property
     def squared(self) -> Any:
         """The square of the gap where it is closed, else 0."""
-        slide = self._offset_found * self._tangent_found / ngsolve.Norm(self._tangent_found)
-        is_corner = ngsolve.IfPos(slide, slide, -slide) - _FOOT * self._length
-        at_corner = ngsolve.IfPos(self._corner, 0, ngsolve.IfPos(-self._corner, self._offset * self._offset, 0))
+        height = _height(self._offset_found, self._tangent_found)
+        slide = _size(self._offset_found * self._tangent_found) / ngsolve.Norm(self._tangent_found)
+        beyond = ngsolve.IfPos(-0.5 - self._corner, slide, 0)
+        at_corner = ngsolve.IfPos(-height - beyond, self._offset * self._offset, 0)
+        at_corner = ngsolve.IfPos(self._corner - 0.5, 0, at_corner)
         gap = _height(self._offset, self._tangent) - self._correction / 2 * (self._offset * self._tangent) ** 2
-        return ngsolve.IfPos(is_corner, at_corner, ngsolve.IfPos(gap, 0, gap * gap))
+        at_foot = ngsolve.IfPos(gap, 0, gap * gap)
+        inside = ngsolve.IfPos(self._along_wall * (1 - self._along_wall) - END_TOLERANCE, 1, 0)
+        return ngsolve.IfPos(slide - END_TOLERANCE * self._length - inside * self._length, at_corner, at_foot)
 
     @property
     def _correction(self) -> Any:
@@ -144,6 +153,20 @@ class _Gap:
         curvature = _height(self._bend, self._tangent_found) / speed2
         rest = 1 - curvature * _height(self._offset_found, self._tangent_found)
         return curvature / speed2 / ngsolve.IfPos(rest - _LEAST, rest, _LEAST)
+
+
+def _corners(walls: EdgeSurface, nodes: Array) -> Array:
+    """Return what the ends of walls are, shape (facets, 2): 1 if only points outside of the body can be nearest to it.
+
+    Such are convex corners. The end of a surface is -1: points that lie further aside than deep have slid past it. It
+    is 0 at other joints, whose side decides.
+    """
+    corner = np.where(walls.exterior_angle_at(nodes) > BLUNT, 1.0, 0.0)
+    return np.where(walls.is_loose_end, -1.0, corner)
+
+
+def _size(value: Any) -> Any:
+    return ngsolve.IfPos(value, value, -value)
 
 
 def _height(vector: Any, tangent: Any) -> Any:
