@@ -13,6 +13,7 @@ import click
 from ngcell import __version__
 from ngcell.cli.cases import cases
 from ngcell.cli.check import check
+from ngcell.cli.export_febio import export_febio
 from ngcell.cli.schema import schema
 from ngcell.cli.solve import solve
 from ngcell.cli.streams import give_up_stream, note, open_standard_streams
@@ -52,5 +53,5 @@ def ngcell() -> None:
     """
 
 
-for verb in (solve, check, view, cases, schema):
+for verb in (solve, check, view, cases, schema, export_febio):
     ngcell.add_command(verb)
