@@ -1,9 +1,12 @@
 """Contact by NGSolve's own contact boundary: its section in a case, its continuation stages, and its term.
 
-NGSolve finds the pairs, sums the penalty energy over the quadrature points of both walls, and differentiates it. The
-solver treats that energy as any other, smooth but for the kink where a wall closes. What is measured of an equilibrium,
-and what the certificate judges, comes from the package's own pairs at the same points, and the energies of both are
-compared: a pair that NGSolve finds elsewhere is not certified.
+NGSolve finds the pairs, sums the penalty energy over the quadrature points of both walls, and differentiates it:
+energy, forces and tangent are NGSolve's. The package's own pairs at the same points tell the solver which part of them
+is one-sided, so that it foresees where walls close; what is measured of an equilibrium and judged by the certificate
+comes from them, too. The energies of both are compared: what NGSolve pairs otherwise is not certified.
+
+Friction has its place here: an energy of the slip since the last accepted step, added to the same contact boundaries,
+with `has_history`, `accept` and `reset` of the term for what is remembered. There is none yet.
 """
 
 from __future__ import annotations
@@ -108,21 +111,18 @@ class NgsolveTerm(ContactTerm):
         return self._at(at).energy()
 
     def gradient(self, at: Configuration) -> Array:
-        """Return its gradient, shape (unknowns,)."""
+        """Return the gradient of NGSolve's energy without that of the one-sided terms, shape (unknowns,)."""
         boundary = self._at(at)
-        return np.asarray(boundary.map(at.positions.shape[1]).T @ boundary.gradient())
+        whole = boundary.map(at.positions.shape[1]).T @ boundary.gradient()
+        return np.asarray(whole - self.constraints(at).gradient)
 
     def curvature(self, at: Configuration) -> sparse.coo_array:
-        """Return its second derivative."""
-        boundary = self._at(at)
-        map_ = boundary.map(at.positions.shape[1])
-        return (map_.T @ boundary.tangent() @ map_).tocoo()
-
-    def constraints(self, at: Configuration) -> None:
-        """Return nothing: the energy is not split into one-sided terms."""
-
-    def gaps(self, at: Configuration) -> None:
-        """Return nothing, for the same reason."""
+        """Return NGSolve's tangent without that of the closed one-sided terms."""
+        boundary, split = self._at(at), self.constraints(at)
+        map_, closed = boundary.map(at.positions.shape[1]), split.gap < 0
+        jacobian = split.jacobian[np.flatnonzero(closed)]
+        along = jacobian.T @ sparse.diags_array(split.penalty[closed]) @ jacobian
+        return (map_.T @ boundary.tangent() @ map_ - along).tocoo()
 
     def checks(self, at: Configuration, scales: Scales) -> tuple[Check, ...]:
         """Return what every contact is judged by, and by how much the package's own pairs store another energy."""
