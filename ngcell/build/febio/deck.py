@@ -54,7 +54,7 @@ class Deck:
     layer : Layer
         Nodes and elements.
     parts : dict of str to (str, array of int)
-        Material and elements of each part; all elements of a part have as many nodes.
+        Material and elements of each part.
     materials : dict of str to MooneyRivlin
         The laws.
     outlines : dict of str to array of int
@@ -130,13 +130,11 @@ def _wall_edges(built: Simulation) -> Index:
 def _parts(built: Simulation, layer: Layer) -> dict[str, tuple[str, Index]]:
     bodies, parts = built.bodies, {}
     is_filling = np.zeros(len(bodies.body_of_element), dtype=bool) if bodies.is_filling is None else bodies.is_filling
-    size = np.array([len(element) for element in layer.elements])
     for body, name in enumerate(bodies.body_names):
         for material, mine in (("wall", ~is_filling), ("filling", is_filling)):
-            for count, ending in ((20, ""), (15, "-wedges")):
-                chosen = (mine & (bodies.body_of_element == body))[layer.parent] & (size == count)
-                if chosen.any():
-                    parts[f"{name}-{material}{ending}"] = material, np.flatnonzero(chosen)
+            chosen = (mine & (bodies.body_of_element == body))[layer.parent]
+            if chosen.any():
+                parts[f"{name}-{material}"] = material, np.flatnonzero(chosen)
     return parts
 
 

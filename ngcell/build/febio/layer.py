@@ -1,4 +1,4 @@
-"""A planar mesh as one layer of quadratic elements, hexahedra of 20 nodes and wedges of 15.
+"""A planar mesh of quadrilaterals as one layer of quadratic hexahedra, each of 20 nodes.
 
 An element of order p becomes n x n quadratic ones, with n = p/2 rounded up, whose nodes lie on the curved element. The
 layer is as thick as the thinnest wall, and plane strain is left to supports: no node moves across it.
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 
 import ngsolve
 import numpy as np
@@ -21,8 +22,8 @@ Index = NDArray[np.int64]
 
 #: Nodes of a body nearer to each other than this share of the extent are one.
 _SAME = 1e-9
-#: Corners of the reference elements of NGSolve, by their number.
-_CORNERS = {4: ((0, 0), (1, 0), (1, 1), (0, 1)), 3: ((1, 0), (0, 1), (0, 0))}
+#: Corners of NGSolve's reference quadrilateral.
+_CORNERS = ((0, 0), (1, 0), (1, 1), (0, 1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,8 +34,8 @@ class Layer:
     ----------
     nodes : array of float, shape (nodes, 3)
         Places at rest [length].
-    elements : list of array of int
-        Nodes of each element, 20 or 15.
+    elements : array of int, shape (elements, 20)
+        Nodes of each element.
     parent : array of int, shape (elements,)
         Element of the planar mesh that each is part of.
     faces : list of array of int, each of shape (n, 8)
@@ -44,7 +45,7 @@ class Layer:
     """
 
     nodes: Array
-    elements: list[Index]
+    elements: Index
     parent: Index
     faces: list[Index]
     thickness: float
@@ -56,33 +57,22 @@ class Layer:
 
 @dataclass(frozen=True)
 class _Patch:
-    """The lattice of one planar element: numbers of its nodes, and what they make up."""
+    """The lattice of one quadrilateral: numbers of its nodes."""
 
-    corners: list[tuple[int, int]]
-    triangles: bool
     parts: int
     node: dict[tuple[int, int], int]
 
-    def subelements(self) -> Iterator[list[int]]:
-        """Yield corners, then middles of sides, of each quadratic element, counter-clockwise in reference places."""
-        for a in range(self.parts):
-            for b in range(self.parts - a if self.triangles else self.parts):
-                i, j = 2 * a, 2 * b
-                if not self.triangles:
-                    yield self._ring([(i, j), (i + 2, j), (i + 2, j + 2), (i, j + 2)])
-                    continue
-                yield self._ring([(i, j), (i + 2, j), (i, j + 2)])
-                if a + b < self.parts - 1:
-                    yield self._ring([(i + 2, j), (i + 2, j + 2), (i, j + 2)])
-
-    def _ring(self, places: list[tuple[int, int]]) -> list[int]:
-        middles = [((p[0] + q[0]) // 2, (p[1] + q[1]) // 2) for p, q in zip(places, places[1:] + places[:1], strict=True)]
-        return [self.node[place] for place in (*places, *middles)]
+    def quadratic(self) -> Iterator[list[int]]:
+        """Yield corners, then middles of sides, of each quadratic element."""
+        for i in range(0, 2 * self.parts, 2):
+            for j in range(0, 2 * self.parts, 2):
+                corners = ((i, j), (i + 2, j), (i + 2, j + 2), (i, j + 2))
+                middles = ((i + 1, j), (i + 2, j + 1), (i + 1, j + 2), (i, j + 1))
+                yield [self.node[place] for place in (*corners, *middles)]
 
     def side(self, one: int, two: int) -> list[int]:
         """Return the nodes along the side between two corners."""
-        (x0, y0), (x1, y1) = self.corners[one], self.corners[two]
-        count = 2 * self.parts
+        (x0, y0), (x1, y1), count = _CORNERS[one], _CORNERS[two], 2 * self.parts
         return [self.node[x0 * (count - k) + x1 * k, y0 * (count - k) + y1 * k] for k in range(count + 1)]
 
 
@@ -96,19 +86,16 @@ def layer_of(bodies: BodyMesh, order: int) -> Layer:
         places += found
         body += [int(owner)] * len(found)
     node, flat = _merged(np.array(places), np.array(body))
-    rings = [(number, ring) for number, patch in enumerate(patches) for ring in patch.subelements()]
-    turned = [(number, _counter_clockwise(node[ring], flat)) for number, ring in rings]
-    return _extruded(flat, turned, _sides(mesh, patches, node, flat), float(bodies.thickness))
+    rings = np.array([_counter_clockwise(node[ring], flat) for patch in patches for ring in patch.quadratic()])
+    parent = np.repeat(np.arange(len(patches)), parts * parts)
+    return _extruded(flat, rings, parent, _sides(mesh, patches, node, flat), float(bodies.thickness))
 
 
 def _patch(mesh: ngsolve.Mesh, element: ngsolve.comp.Ngs_Element, parts: int, first: int) -> tuple[_Patch, list[Array]]:
-    corners, count = _CORNERS[len(element.vertices)], 2 * parts
-    is_triangle = len(corners) == 3
-    lattice = [(i, j) for i in range(count + 1) for j in range(count + 1 - (i if is_triangle else 0))]
+    lattice = list(product(range(2 * parts + 1), repeat=2))
     transformation = mesh.GetTrafo(element)
-    places = [np.array(transformation(i / count, j / count).point) for i, j in lattice]
-    node = {place: first + number for number, place in enumerate(lattice)}
-    return _Patch(list(corners), is_triangle, parts, node), places
+    places = [np.array(transformation(i / (2 * parts), j / (2 * parts)).point) for i, j in lattice]
+    return _Patch(parts, {place: first + number for number, place in enumerate(lattice)}), places
 
 
 def _merged(places: Array, body: Index) -> tuple[Index, Array]:
@@ -122,11 +109,10 @@ def _merged(places: Array, body: Index) -> tuple[Index, Array]:
 
 def _counter_clockwise(ring: Index, flat: Array) -> Index:
     """Return corners and middles of sides in counter-clockwise order."""
-    count = len(ring) // 2
-    x, y = flat[ring[:count]].T
+    x, y = flat[ring[:4]].T
     if (x * np.roll(y, -1) - y * np.roll(x, -1)).sum() > 0:
         return ring
-    return np.concatenate([ring[:count][::-1], np.roll(ring[count:][::-1], -1)])
+    return ring[[3, 2, 1, 0, 6, 5, 4, 7]]
 
 
 def _sides(mesh: ngsolve.Mesh, patches: list[_Patch], node: Index, flat: Array) -> list[Index]:
@@ -145,22 +131,18 @@ def _sides(mesh: ngsolve.Mesh, patches: list[_Patch], node: Index, flat: Array) 
     return sides
 
 
-def _extruded(flat: Array, rings: list[tuple[int, Index]], sides: list[Index], thickness: float) -> Layer:
+def _extruded(flat: Array, rings: Index, parent: Index, sides: list[Index], thickness: float) -> Layer:
     """Return the layer over planar quadratic elements: nodes below, above, and half-way up over corners."""
-    used = np.unique(np.concatenate([ring for _, ring in rings]))
-    corners = np.unique(np.concatenate([ring[: len(ring) // 2] for _, ring in rings]))
+    used, corners = np.unique(rings), np.unique(rings[:, :4])
     below, half_way = np.full(len(flat), -1), np.full(len(flat), -1)
     below[used] = np.arange(len(used))
     half_way[corners] = 2 * len(used) + np.arange(len(corners))
     above = below + len(used)
     heights = np.repeat([0.0, thickness, thickness / 2], [len(used), len(used), len(corners)])
     nodes = np.column_stack([flat[np.concatenate([used, used, corners])], heights])
-    elements = []
-    for _, ring in rings:
-        ends, middles = np.split(ring, 2)
-        elements.append(np.concatenate([below[ends], above[ends], below[middles], above[middles], half_way[ends]]))
-    faces = [_faces(side, below, above, half_way) for side in sides]
-    return Layer(nodes, elements, np.array([number for number, _ in rings]), faces, thickness)
+    ends, middles = rings[:, :4], rings[:, 4:]
+    elements = np.column_stack([below[ends], above[ends], below[middles], above[middles], half_way[ends]])
+    return Layer(nodes, elements, parent, [_faces(side, below, above, half_way) for side in sides], thickness)
 
 
 def _faces(side: Index, below: Index, above: Index, half_way: Index) -> Index:

@@ -63,8 +63,7 @@ def _mesh(root: Element, deck: Deck) -> None:
         SubElement(nodes, "node", id=str(number)).text = ",".join(f"{value:.15g}" for value in place)
     number = 0
     for name, (_, elements) in deck.parts.items():
-        kind = {20: "hex20", 15: "penta15"}[len(layer.elements[elements[0]])]
-        part = SubElement(mesh, "Elements", type=kind, name=name)
+        part = SubElement(mesh, "Elements", type="hex20", name=name)
         for element in elements:
             number += 1
             SubElement(part, "elem", id=str(number)).text = _listed(layer.elements[element])
