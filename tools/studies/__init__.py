@@ -10,6 +10,6 @@ from tools.commands import Commands
 commands = Commands(
     "tools.studies",
     ("accuracy", "agreement", "cohesion", "cohesion-curves", "constants", "cost", "figures", "last-digits", "members",
-     "phases", "scaling", "settings", "work-precision"),
+     "phases", "plain-newton", "scaling", "settings", "work-precision"),
     __doc__,
 )  # fmt: skip
