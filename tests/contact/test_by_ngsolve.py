@@ -88,7 +88,8 @@ def test_colours_differ_where_they_have_to_and_are_few():
     colours = coloured(20, one, two)
     assert (colours[one] != colours[two]).all() and colours.max() <= 3
     strip = WallStrip(tissue.walls, colours)
-    assert set(strip.mesh.GetBoundaries()) == {f"{kind}{n}" for kind in ("wall", "point") for n in range(colours.max() + 1)}
+    names = {f"{kind}{colour}" for kind in ("wall", "point") for colour in range(colours.max() + 1)}
+    assert set(strip.mesh.GetBoundaries()) == names
 
 
 def test_contact_goes_on_where_another_stage_ended():

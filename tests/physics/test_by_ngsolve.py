@@ -7,8 +7,7 @@ from math import inf
 import numpy as np
 import pytest
 
-
-from ngcell import Body, BodyScene, BodySupport, MooneyRivlin, NgsolveContact, Penalty
+from ngcell import Body, BodyScene, BodySupport, MooneyRivlin, NgsolveContact, Penalty, read_case
 from ngcell.build.reported import Step
 from tests.physics.test_patch import SPONGE, block
 from tools.references.radial import RadialSolid
@@ -53,4 +52,16 @@ def test_rings_are_those_of_the_packages_penalty(problem):
     found, expected = rings.errors(problem, mine), rings.errors(problem, own)
     assert found == pytest.approx(expected, abs=1e-7)
     assert max(found.values()) < 2.5e-3
+    assert names(mine.last)["pairs_of_ngsolve"] < 1e-9
+
+
+@pytest.mark.parametrize("strategy", ["sddp", "single-step"])
+def test_the_sheared_tissue_is_certified_and_that_of_the_packages_penalty(strategy):
+    sets = ["load.displacement=[0.5, 0.0]", "load.levels=1", f"strategy.kind={strategy}", "accuracy=inf"]
+    mine, own = (
+        solved(read_case("shear-empty-3x3", [*sets, f"contact.kind={kind}"])) for kind in ("ngsolve", "penalty")
+    )
+    assert mine.certified and own.certified
+    for name in ("energy", "plate_force_x", "contact_force", "mean_gap"):
+        assert getattr(mine.last.record, name) == pytest.approx(getattr(own.last.record, name), rel=1e-6)
     assert names(mine.last)["pairs_of_ngsolve"] < 1e-9

@@ -9,7 +9,7 @@ import pytest
 from tools.references.contact_error import LIMIT, RINGS, found
 
 
-@pytest.mark.parametrize(("name", "contact", "order"), product(RINGS, LIMIT, (None, 3)))
+@pytest.mark.parametrize(("name", "contact", "order"), list(product(RINGS, LIMIT, (None, 3))))
 def test_contact_costs_a_quarter_of_the_accuracy_at_most(name, contact, order):
     errors = found(RINGS[name], contact, order)
     assert errors["certified"]

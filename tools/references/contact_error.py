@@ -66,7 +66,8 @@ class Rings:
         """Return the case as TOML; meshes of a given order are kept, others refined until the accuracy is met."""
         lines = ["levels = 1", f'contact.kind = "{contact}"', *([f"mesh.order = {order}"] if order else [])]
         lines += ["expected = ["]
-        lines += [f'{{ {what}, value = {value:.12g}, tolerance = 1.0, origin = "radial" }},' for what, value in self._wanted]
+        told = 'tolerance = 1.0, origin = "python -m tools.references radial"'
+        lines += [f"{{ {what}, value = {value:.12g}, {told} }}," for what, value in self._wanted]
         lines += ["]"]
         for name, radii, modulus, wall in zip(
             ("inner", "outer"), (self.inner, self.outer), self.moduli, ("outer", "inner"), strict=True

@@ -60,7 +60,7 @@ class Tissue:
     """The tissue with one contact boundary between all walls."""
 
     def __init__(self, setting: Setting) -> None:
-        case = ngcell.read_case("shear-empty-3x3", ["load.levels=1", "accuracy=inf", "mesh.order=2"])
+        case: Any = ngcell.read_case("shear-empty-3x3", ["load.levels=1", "accuracy=inf", "mesh.order=2"])
         self.built = Simulation(case)
         space, bodies = self.built.space, self.built.bodies
         self.field = ngs.GridFunction(space.vector)
@@ -113,9 +113,7 @@ def solved(setting: Setting) -> dict[str, Any]:
         tissue.update()
         solver = NewtonSolver(tissue.form, tissue.field, freedofs=free, inverse="umfpack")
         try:
-            failed, needed = solver.Solve(
-                MOST, TOLERANCE, callback=tissue.update, linesearch=setting.line_search
-            )
+            failed, needed = solver.Solve(MOST, TOLERANCE, callback=tissue.update, linesearch=setting.line_search)
         except Exception as error:  # what NGSolve raises differs by solver
             end = f"error: {str(error).splitlines()[0][:40]}"
             break

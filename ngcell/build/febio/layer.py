@@ -79,7 +79,9 @@ class _Patch:
 def layer_of(bodies: BodyMesh, order: int) -> Layer:
     """Return the layer of a planar mesh whose displacements have this order."""
     mesh, parts = bodies.mesh, -(-order // 2)
-    patches, places, body = [], [], []
+    patches: list[_Patch] = []
+    places: list[Array] = []
+    body: list[int] = []
     for element, owner in zip(mesh.Elements(ngsolve.VOL), bodies.body_of_element, strict=True):
         patch, found = _patch(mesh, element, parts, len(body))
         patches.append(patch)
@@ -92,7 +94,7 @@ def layer_of(bodies: BodyMesh, order: int) -> Layer:
 
 
 def _patch(mesh: ngsolve.Mesh, element: ngsolve.comp.Ngs_Element, parts: int, first: int) -> tuple[_Patch, list[Array]]:
-    lattice = list(product(range(2 * parts + 1), repeat=2))
+    lattice = list(product(range(2 * parts + 1), range(2 * parts + 1)))
     transformation = mesh.GetTrafo(element)
     places = [np.array(transformation(i / (2 * parts), j / (2 * parts)).point) for i, j in lattice]
     return _Patch(parts, {place: first + number for number, place in enumerate(lattice)}), places

@@ -52,8 +52,8 @@ def _materials(root: Element, deck: Deck) -> None:
     section = SubElement(root, "Material")
     for number, (name, law) in enumerate(deck.materials.items(), 1):
         material = SubElement(section, "material", id=str(number), name=name, type="Mooney-Rivlin")
-        constants = {"density": 1, "k": law.bulk_modulus, "pressure_model": "default", "c1": law.c1 / 2, "c2": law.c2 / 2}
-        _put(material, constants)
+        _put(material, {"density": 1, "k": law.bulk_modulus, "pressure_model": "default"})
+        _put(material, {"c1": law.c1 / 2, "c2": law.c2 / 2})
 
 
 def _mesh(root: Element, deck: Deck) -> None:

@@ -127,5 +127,5 @@ class NgsolveTerm(ContactTerm):
     def checks(self, at: Configuration, scales: Scales) -> tuple[Check, ...]:
         """Return what every contact is judged by, and by how much the package's own pairs store another energy."""
         apart = abs(self.value(at) - super().value(at)) / scales.at_stake
-        meaning = "difference of the contact energies of NGSolve's pairs and of the package's own over the stored energy"
+        meaning = "difference of contact energies by NGSolve's pairs and by the package's own over the stored energy"
         return (*super().checks(at, scales), Check("pairs_of_ngsolve", apart, _APART, meaning))

@@ -3,7 +3,7 @@
     python -m tools.references peers            all programs that are here, into tools/results
 
 CalculiX has quadratic hexahedra (linear ones at order 1) and a penalty 30 times as stiff as a layer of elements, GetFEM
-quadratic or linear quadrilaterals and an augmented Lagrangian, this package triangles, and penalties 100 times as stiff.
+quadratic or linear quadrilaterals and an augmented Lagrangian, this package triangles and penalties 100 times as stiff.
 Sizes of elements are the same. Errors are those of the force that blocks, or the outer ring, bear, by the volumetric
 energy of each program. Seconds are those on the clock of one run on one thread, without the start of this package, with
 that of the others. What is not installed is named, and left out.

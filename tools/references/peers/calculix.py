@@ -50,7 +50,8 @@ def force(problem: str, count: int, order: int) -> tuple[float, float, int]:
     if not times or abs(times[-1] - 1) > 1e-6:
         wrong = [line.strip() for line in ended.stdout.splitlines() if "*ERROR" in line]
         raise RuntimeError((wrong or ["no result"])[0])
-    numbers = [[float(word) for word in line.split()] for line in lines if len(line.split()) == 3 and "total" not in line]
+    rows = [line.split() for line in lines if len(line.split()) == 3 and "total" not in line]
+    numbers = [[float(word) for word in row] for row in rows]
     bears = [float(np.abs(row).max()) for row in numbers[-(2 if problem == "rings" else 1) :]]
     return sum(bears) / len(bears) / THICKNESS, seconds, unknowns
 

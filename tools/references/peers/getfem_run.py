@@ -5,8 +5,12 @@ volumetric part is ``d1 (J - 1)^2``, and its large-sliding contact by ray tracin
 JSON object: the force, or why there is none.
 """
 
+from __future__ import annotations
+
 import json
 import sys
+from pathlib import Path
+from typing import Any
 
 import getfem as gf
 import numpy as np
@@ -14,7 +18,7 @@ import numpy as np
 FIRST, LAST, LOW, HIGH = 1, 2, 3, 4
 
 
-def grid_mesh(places):
+def grid_mesh(places: Any) -> Any:
     """Return a mesh of quadrilaterals of second degree through these places, with its four sides as regions."""
     width, height = places.shape[:2]
     mesh, shape = gf.Mesh("empty", 2), gf.GeoTrans("GT_QK(2,2)")
@@ -23,7 +27,7 @@ def grid_mesh(places):
             mesh.add_convex(shape, np.array([places[i + a, j + b] for b in range(3) for a in range(3)]).T)
     points = places.reshape(-1, 2)
     number = {tuple(np.round(point, 9)): index for index, point in enumerate(points)}
-    sides = {FIRST: [], LAST: [], LOW: [], HIGH: []}
+    sides: dict[int, list[tuple[int, int]]] = {FIRST: [], LAST: [], LOW: [], HIGH: []}
     for convex, face in mesh.outer_faces().T:
         on = mesh.pts(mesh.pid_in_faces(np.array([[convex], [face]]))).T
         index = np.array([number[tuple(np.round(point, 9))] for point in on])
@@ -36,7 +40,8 @@ def grid_mesh(places):
     return mesh
 
 
-def solved(given):
+def solved(given: dict[str, Any]) -> tuple[float, int]:
+    """Return the force and the number of unknowns."""
     grids = [np.array(places) for places in given["grids"]]
     meshes = [grid_mesh(places) for places in grids]
     order, is_blocks = given["order"], given["problem"] == "blocks"
@@ -74,24 +79,25 @@ def solved(given):
     return sum(bears) / 2, model.nbdof()
 
 
-def scalar(mesh, order):
+def scalar(mesh: Any, order: int) -> Any:
+    """Return scalar functions of this order."""
     fem = gf.MeshFem(mesh, 1)
     fem.set_fem(gf.Fem(f"FEM_QK(2,{order})"))
     return fem
 
 
-def hold(model, meshes, rules, order, is_blocks):
+def hold(model: Any, meshes: list[Any], rules: list[Any], order: int, is_blocks: bool) -> None:
     """Hold sides by multipliers, whose integrals are the forces."""
-    for number, (mesh, rule) in enumerate(zip(meshes, rules), 1):
-        sides = ((FIRST, 1, "f"), (LAST, 1, "l")) if is_blocks else ((LOW, 2, "y"), (HIGH, 1, "x"))
-        sides += ((LOW, 2, "b"),) if is_blocks and number == 1 else ()
+    for number, (mesh, rule) in enumerate(zip(meshes, rules, strict=True), 1):
+        sides = [(FIRST, 1, "f"), (LAST, 1, "l")] if is_blocks else [(LOW, 2, "y"), (HIGH, 1, "x")]
+        sides += [(LOW, 2, "b")] if is_blocks and number == 1 else []
         for side, axis, ending in sides:
             name = f"hold{number}{ending}"
             model.add_filtered_fem_variable(name, scalar(mesh, order), side)
             model.add_linear_term(rule, f"u{number}({axis})*Test_{name} + {name}*Test_u{number}({axis})", side)
 
 
-def start_press_fit(model, fems, grids):
+def start_press_fit(model: Any, fems: list[Any], grids: list[Any]) -> None:
     """Start where rings of constant area would touch half-way between rim and bore."""
     rim, bore = (np.linalg.norm(grids[0][-1, 0]), np.linalg.norm(grids[1][0, 0]))
     middle = (rim + bore) / 2
@@ -104,8 +110,9 @@ def start_press_fit(model, fems, grids):
         model.set_variable(name, values[axis, np.arange(nodes.shape[1])])
 
 
-def newton(model):
-    count, converged = model.solve("max_res", 1e-9, "max_iter", 60)
+def newton(model: Any) -> None:
+    """Solve."""
+    _, converged = model.solve("max_res", 1e-9, "max_iter", 60)
     if not converged:
         raise RuntimeError("no convergence")
 
@@ -113,7 +120,8 @@ def newton(model):
 if __name__ == "__main__":
     gf.util_trace_level(0)
     try:
-        answer = dict(zip(("force", "unknowns"), solved(json.load(open(sys.argv[1])))))
+        force, unknowns = solved(json.loads(Path(sys.argv[1]).read_text()))
+        answer: dict[str, Any] = {"force": force, "unknowns": unknowns}
     except Exception as error:
         answer = {"error": str(error).strip().splitlines()[-1][:80] if str(error).strip() else type(error).__name__}
-    print("ANSWER " + json.dumps(answer))
+    sys.stdout.write("ANSWER " + json.dumps(answer) + "\n")

@@ -13,7 +13,11 @@ from tools.references.peers.problems import C1, C2, KAPPA, PRESSED, RADII
 from tools.solutions import Solution, solved
 from tools.studies.work_precision.rings import quarter
 
-METHODS: dict[str, Any] = {"penalty": Penalty(stiffness=10.0), "ngsolve": NgsolveContact(stiffness=10.0), "mortar": Mortar()}
+METHODS: dict[str, Any] = {
+    "penalty": Penalty(stiffness=10.0),
+    "ngsolve": NgsolveContact(stiffness=10.0),
+    "mortar": Mortar(),
+}
 
 
 def force(method: str, problem: str, count: int, order: int) -> tuple[float, float, int]:
