@@ -1,4 +1,4 @@
-"""What contact itself costs in accuracy: rings pressed into each other, beside their one-dimensional solution.
+"""What contact costs in accuracy: rings beside their one-dimensional solution.
 
     python -m tools.references contact-error          all rings with all contact methods, into tools/results
 

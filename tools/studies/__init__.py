@@ -9,7 +9,7 @@ from tools.commands import Commands
 
 commands = Commands(
     "tools.studies",
-    ("accuracy", "agreement", "cohesion", "cohesion-curves", "constants", "cost", "figures", "last-digits", "members",
-     "phases", "plain-newton", "scaling", "settings", "work-precision"),
+    ("accuracy", "agreement", "cohesion", "cohesion-curves", "constants", "contact-kinds", "cost", "figures",
+     "last-digits", "members", "phases", "plain-newton", "scaling", "settings", "work-precision"),
     __doc__,
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""NGSolve's own Newton method on the sheared 3x3 tissue, without this package's continuation: where it ends.
+"""NGSolve's own Newton method on the sheared 3x3 tissue, without continuation: where it ends.
 
     python -m tools.studies plain-newton
 

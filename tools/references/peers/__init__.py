@@ -1,4 +1,4 @@
-"""Blocks and rings by other programs, where these are installed, beside this package: an error and a time each.
+"""Blocks and rings by other programs that are installed, beside this package: errors and seconds.
 
     python -m tools.references peers            all programs that are here, into tools/results
 

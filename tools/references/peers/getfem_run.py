@@ -117,11 +117,12 @@ def newton(model: Any) -> None:
         raise RuntimeError("no convergence")
 
 
-if __name__ == "__main__":
+def main(file: str) -> None:
+    """Solve what a file says, and print the answer."""
     gf.util_trace_level(0)
     try:
-        force, unknowns = solved(json.loads(Path(sys.argv[1]).read_text()))
+        force, unknowns = solved(json.loads(Path(file).read_text()))
         answer: dict[str, Any] = {"force": force, "unknowns": unknowns}
     except Exception as error:
-        answer = {"error": str(error).strip().splitlines()[-1][:80] if str(error).strip() else type(error).__name__}
+        answer = {"error": (str(error).strip().splitlines() or [type(error).__name__])[-1][:80]}
     sys.stdout.write("ANSWER " + json.dumps(answer) + "\n")

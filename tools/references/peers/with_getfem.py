@@ -47,10 +47,11 @@ def force(problem: str, count: int, order: int) -> tuple[float, float, int]:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, "peer.json")
         file.write_text(json.dumps(given))
-        script, alone = Path(__file__).with_name("getfem_run.py"), {**os.environ, "OMP_NUM_THREADS": "1"}
-        command = ["timeout", "120", _python(), str(script), str(file)]
-        started = perf_counter()
-        ended = subprocess.run(command, capture_output=True, text=True, check=False, env=alone)
+        # That Python knows nothing of this package: it starts where the module stands.
+        call = f"from getfem_run import main; main({str(file)!r})"
+        command, alone = ["timeout", "120", _python(), "-c", call], {**os.environ, "OMP_NUM_THREADS": "1"}
+        here, started = Path(__file__).parent, perf_counter()
+        ended = subprocess.run(command, capture_output=True, text=True, check=False, env=alone, cwd=here)
         seconds = perf_counter() - started
     told = [line.removeprefix("ANSWER ") for line in ended.stdout.splitlines() if line.startswith("ANSWER ")]
     answer = json.loads(told[-1]) if told else {"error": "no result"}
