@@ -4,9 +4,6 @@ NGSolve finds the pairs, sums the penalty energy over the quadrature points of b
 energy, forces and tangent are NGSolve's. The package's own pairs at the same points tell the solver which part of them
 is one-sided, so that it foresees where walls close; what is measured of an equilibrium and judged by the certificate
 comes from them, too. The energies of both are compared: what NGSolve pairs otherwise is not certified.
-
-Friction has its place here: an energy of the slip since the last accepted step, added to the same contact boundaries,
-with `has_history`, `accept` and `reset` of the term for what is remembered. There is none yet.
 """
 
 from __future__ import annotations
