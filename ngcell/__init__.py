@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from ngcell.build.reported import Step
     from ngcell.contact.cohesion.exponential import Cohesion
     from ngcell.contact.methods.by_mortar import Mortar
+    from ngcell.contact.methods.by_ngsolve import NgsolveContact
     from ngcell.contact.methods.by_penalty import Penalty
     from ngcell.contact.methods.normal_law import NormalLaw
     from ngcell.ensemble import members
@@ -74,6 +75,7 @@ _PLACES = {
     "ngcell.build.options": ("Options",),
     "ngcell.contact.cohesion.exponential": ("Cohesion",),
     "ngcell.contact.methods.by_mortar": ("Mortar",),
+    "ngcell.contact.methods.by_ngsolve": ("NgsolveContact",),
     "ngcell.contact.methods.by_penalty": ("Penalty",),
     "ngcell.contact.methods.normal_law": ("NormalLaw",),
     "ngcell.ensemble": ("members",),
@@ -153,6 +155,7 @@ __all__ = [
     "MooneyRivlin",
     "Mortar",
     "NgcellError",
+    "NgsolveContact",
     "NormalLaw",
     "NotConverged",
     "Options",

@@ -12,6 +12,9 @@ from pydantic import BaseModel
 from ngcell import export
 from ngcell.build.additions import Additions, told_additions
 from ngcell.build.discretisation import discretise
+from ngcell.build.febio.deck import deck_of
+from ngcell.build.febio.scope import SILENT
+from ngcell.build.febio.xml import deck_text
 from ngcell.build.memory import entry_count, foreseen_memory, solver_name
 from ngcell.build.options import Options
 from ngcell.build.problems import OwnTerm
@@ -21,6 +24,7 @@ from ngcell.build.stages import stages_of
 from ngcell.contact.pairing.facing import count_corners
 from ngcell.errors import CaseError, NotConverged, OutputError
 from ngcell.export import accepted_steps, cannot_resume, read_restart, read_summary, restore_case
+from ngcell.export.atomic import replace_file
 from ngcell.geometry.bodies import FRAME, LOWER_PLATE, UPPER_PLATE
 from ngcell.geometry.statistics import tissue_table
 from ngcell.recording import Recording, RecordingOptions, file_told, recorded_text, use_threads
@@ -231,6 +235,29 @@ def draw_layout(case: AnyCase | BodyScene, path: Path) -> Path:
         found = discretise(meshed)
         bodies, supports = found.space.bodies, [support.region for support in found.motion.supports]
     return export.draw_layout(layout_of(bodies, supports), path, title=getattr(case, "title", ""))
+
+
+def export_febio(case: AnyCase, path: Path) -> dict[str, Any]:
+    """Write a planar tissue as a FEBio 4 deck, and return what is in it.
+
+    Raises
+    ------
+    CaseError
+        If the deck cannot say what the case says.
+    OutputError
+        If the file cannot be written.
+    """
+    deck = deck_of(case)
+    replace_file(path, deck_text(deck).encode())
+    return {
+        "deck": str(path),
+        "nodes": len(deck.layer.nodes),
+        "elements": len(deck.layer.elements),
+        "thickness": deck.layer.thickness,
+        "pairs": len(deck.pairs),
+        "steps": "tied, released" if deck.is_tied_first else "pressed",
+        "not exported": list(SILENT),
+    }
 
 
 def _tissue(case: AnyCase | BodyScene) -> dict[str, Any]:

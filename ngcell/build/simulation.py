@@ -71,9 +71,11 @@ class Simulation(Problems):
         stage: Stage | None = None,
     ) -> None:
         stages = stages_of(scene) if stage is None else (stage,)
-        super().__init__(stages[0].scene, clock or Clock(), options or Options(), terms)
-
-        finer_options = self.options.for_accuracy(scene.accuracy)
+        options = options or Options()
+        finer_options = options.for_accuracy(scene.accuracy)
+        is_given = len(stages) > 1 and not stages[-1].is_reported
+        # A mesh that the case gives is the one that is reported: its contact, too, is as stiff as the accuracy asks.
+        super().__init__(stages[0].scene, clock or Clock(), finer_options if is_given else options, terms)
 
         def build(finer: Stage) -> Simulation:
             return Simulation(

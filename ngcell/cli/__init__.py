@@ -13,6 +13,7 @@ import click
 from ngcell import __version__
 from ngcell.cli.cases import cases
 from ngcell.cli.check import check
+from ngcell.cli.export_febio import export_febio
 from ngcell.cli.report import report
 from ngcell.cli.schema import schema
 from ngcell.cli.solve import solve
@@ -54,5 +55,5 @@ def ngcell() -> None:
     """
 
 
-for verb in (solve, check, sweep, view, report, cases, schema):
+for verb in (solve, check, sweep, view, report, export_febio, cases, schema):
     ngcell.add_command(verb)

@@ -142,7 +142,7 @@ class BodyScene:
         Number of equal levels, or the load factors in [0, 1] that are reported, in the order of the load path.
     steps : int, optional
         Smallest number of load steps, >= 1; by default one for each level.
-    contact : Penalty, Mortar or ContactChoice
+    contact : Penalty, Mortar, NgsolveContact or ContactChoice
         What walls do to each other.
     loads : sequence of Pressure, Traction, BodyForce or AppliedLoad
         Pressures and tractions on boundaries, forces in bodies; loads on the same boundary or body add up.

@@ -52,7 +52,7 @@ class Case(BaseModel):
         What moves them.
     strategy : Sddp, SingleStep or LoadStepping
         How the load path is followed.
-    contact : Penalty or Mortar
+    contact : Penalty, Mortar or NgsolveContact
         What walls do to each other.
     cohesion : Cohesion, optional
         What holds walls together; by default nothing does.

@@ -78,7 +78,7 @@ class BodyCase(BaseModel):
         What is held and moved; a body that nothing holds stays as near to where it was as contact allows.
     loads : tuple of Pressure, Traction or BodyForce
         Pressures and tractions on boundaries, forces in bodies; loads on the same boundary or body add up.
-    contact : Penalty or Mortar
+    contact : Penalty, Mortar or NgsolveContact
         What walls do to each other.
     cohesion : Cohesion, optional
         What holds walls together that touch at rest; by default nothing does.

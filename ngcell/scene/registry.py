@@ -142,6 +142,7 @@ _SHIPPED = {
         {
             "penalty": "ngcell.contact.methods.by_penalty:Penalty",
             "mortar": "ngcell.contact.methods.by_mortar:Mortar",
+            "ngsolve": "ngcell.contact.methods.by_ngsolve:NgsolveContact",
         },
         default="penalty",
         protocol="ngcell.contact.methods.stages:ContactChoice",

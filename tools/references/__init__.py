@@ -9,6 +9,7 @@ from tools.commands import Commands
 
 commands = Commands(
     "tools.references",
-    ("averages", "certify", "confined", "expected", "hertz", "manufactured", "peel", "prisms", "radial", "spheres"),
+    ("averages", "certify", "confined", "contact-error", "expected", "hertz", "manufactured", "peel", "peers", "prisms",
+     "radial", "spheres"),
     __doc__,
 )

@@ -9,7 +9,8 @@ from tools.commands import Commands
 
 commands = Commands(
     "tools.studies",
-    ("accuracy", "agreement", "cohesion", "cohesion-curves", "constants", "cost", "ensemble-curves", "figures",
-     "last-digits", "members", "phases", "rupture-map", "scaling", "settings", "sweeps", "work-precision"),
+    ("accuracy", "agreement", "cohesion", "cohesion-curves", "constants", "contact-kinds", "cost", "ensemble-curves",
+     "figures", "last-digits", "members", "phases", "plain-newton", "rupture-map", "scaling", "settings", "sweeps",
+     "work-precision"),
     __doc__,
 )  # fmt: skip

@@ -5,6 +5,12 @@ file with these two classes and the section of a case that makes it (`ngcell.con
 Signs and measures: a gap is positive where walls are apart. A contact force is never negative; it acts along the gap's
 derivative and drives walls apart. A contact pressure is nominal, a force per *reference* length or area, and turned
 into the true pressure where it is reported.
+
+Friction has no method yet, and this is its place: it has no potential of the gap, but one of the slip since the last
+accepted step. A method with friction comes as a term of its own (`ngcell.mechanics.term`), as cohesion does
+(`ngcell.contact.methods.terms`): an incremental energy of the slip of each contact pair, bounded by the coefficient
+times the contact force of the last accepted step, with `has_history`, `accept`, `reset`, `memory` and `recall` for what
+is remembered, and the part that is spent told by `unstored`.
 """
 
 from __future__ import annotations

@@ -13,9 +13,9 @@ Index = NDArray[np.int64]
 
 _PROJECTION_STEPS = 4
 #: Exterior angle of a joint [rad] below which the distances of its edges may be tied.
-_BLUNT = 2 * (2 * TIE) ** 0.5
+BLUNT = 2 * (2 * TIE) ** 0.5
 #: Share of an edge beyond which a foot counts as past its end: round-off of the projection, no more.
-_END_TOLERANCE = 1e-9
+END_TOLERANCE = 1e-9
 
 
 def nearest_candidates(
@@ -69,7 +69,7 @@ def classified(walls: EdgeSurface, nodes: Array, facet: Index, xi: Array, point:
     away = point - position
     aside = np.einsum("pd,pd->p", away, slope) / speed2
     height = walls.side[facet] * (away[:, 0] * slope[:, 1] - away[:, 1] * slope[:, 0]) / speed2
-    at_end = np.abs(aside) > _END_TOLERANCE
+    at_end = np.abs(aside) > END_TOLERANCE
     is_loose = np.where(xi < 0.5, walls.is_loose_end[facet, 0], walls.is_loose_end[facet, 1])
     slid_past = at_end & is_loose & (height < 0) & (np.abs(aside) > np.abs(height))
     sign = np.where(height < 0, -1.0, 1.0)
@@ -77,5 +77,5 @@ def classified(walls: EdgeSurface, nodes: Array, facet: Index, xi: Array, point:
     if len(doubtful):
         # The nearest point of a body is a convex corner only for points outside, however the corner's edges bend.
         exterior_angle = walls.exterior_angle_at(nodes)[facet[doubtful], (xi[doubtful] >= 0.5).astype(int)]
-        sign[doubtful[exterior_angle > _BLUNT]] = 1.0
+        sign[doubtful[exterior_angle > BLUNT]] = 1.0
     return Classification(at_end, sign, np.zeros((len(facet), 0)), slid_past)

@@ -62,8 +62,23 @@ class AppliedLoads(SymbolicTerm):
         self.factor = ngsolve.Parameter(0.0)
         for load in self._loads:
             load.check(space.dimension)
-        self._swept = swept_by(space, _pressures(self._loads))
+        self._swept = swept_by(space, self.pressures)
         self._swept.check(motion)
+
+    @property
+    def pressures(self) -> dict[str, float]:
+        """Pressure on each boundary at the full load [stress]."""
+        return _pressures(self._loads)
+
+    @property
+    def has_others(self) -> bool:
+        """Whether there are loads that are no pressures."""
+        return any(load.boundary is None or not load.pressure for load in self._loads)
+
+    @property
+    def in_full(self) -> bool:
+        """Whether loads act in full at every load factor above 0."""
+        return self._in_full
 
     @property
     def role(self) -> Role:
