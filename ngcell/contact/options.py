@@ -25,6 +25,8 @@ class ContactOptions:
     path_multiple : float
         Stiffness with which continuation paths are followed, > 0: as stiff as the layer behind the wall, it costs a
         third of the iterations.
+    stored : float
+        Share of the stored energy that penalty terms may store without being too soft, > 0.
     stage_factor : float
         Factor between the stages from there to the one that is meant, > 1.
     mortar_multiple : float
@@ -40,6 +42,7 @@ class ContactOptions:
     allowed: float = 2.5e-4
     penalty_multiple: float = 10.0
     path_multiple: float = 1.0
+    stored: float = 0.01
     stage_factor: float = 10.0
     mortar_multiple: float = 3.0
     handover_multiple: float = 3.0

@@ -18,8 +18,8 @@ from ngcell.mechanics.space import DisplacementSpace
 Array = NDArray[np.float64]
 
 #: Ratio of bulk to shear modulus above which walls are taken so. Up to it, a mesh that bends them well hardly locks: on
-#: the sheared 3x3 tissue and the mesh of `accuracy = inf`, energies of both methods differ by 1.5 % at a ratio of 100,
-#: by 2.5 % at 1e3 and by 3.6 % at 1e4, where the full rule already misses more than is certified between its points.
+#: the sheared 3x3 tissue and the mesh of `accuracy = inf`, energies of both methods differ by 1.5 % at a ratio of 50,
+#: by 2.5 % at 500 and by 3.6 % at 5000, where the full rule already misses more than is certified between its points.
 INCOMPRESSIBLE = 1e3
 
 _KINDS = (ngsolve.ET.QUAD, ngsolve.ET.HEX)

@@ -14,7 +14,7 @@ from ngcell.scene import AnyCase, resolved_toml
 #: Where the package is.
 SOURCE = Path(__file__).parents[2]
 #: Rooms that no number of a run depends on.
-_TELLING = ("cli", "sweeps", "export")
+_TELLING = ("cli", "sweeps", "export", "report")
 
 
 def own_version() -> str:

@@ -36,9 +36,9 @@ from ngcell.mechanics.stored import StoredEnergy
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-#: Overlap over the thinner body's thickness, and energy of the penalty terms over the stored one, above which penalty
-#: terms are too soft. A certificate has the same limits. Overlaps below `NO_OVERLAP` of the thickness are none.
-DEEP, HIGH, NO_OVERLAP = 0.02, 0.01, 1e-7
+#: Overlap over the thinner body's thickness above which penalty terms are too soft; a certificate has the same limit.
+#: Overlaps below `NO_OVERLAP` of the thickness are none.
+DEEP, NO_OVERLAP = 0.02, 1e-7
 #: Factor by which penalty terms that are too soft are made stiffer, and the most that all such factors make. The
 #: derived stiffness is that of a layer that may spread along the wall; one that is confined is stiffer by the ratio of
 #: bulk to shear modulus, and is followed up to a ratio of 1e8.
@@ -207,7 +207,7 @@ class PenaltyContact:
                 self._search = self._mixed_search()
                 return finer.deepest
         energy = float(mine.energy.sum())
-        if mine.largest_share <= DEEP and energy <= HIGH * (stored.of(group) + energy):
+        if mine.largest_share <= DEEP and energy <= self._options.stored * (stored.of(group) + energy):
             return 0.0
         # What a body that has joined the group was not given yet comes first.
         self._factor[group] = np.maximum(self._factor[group], STIFFEN * self._factor[group].min())
