@@ -16,6 +16,7 @@ from ngcell.geometry.tissues.protocol import Lumens, TissueDensity
 from ngcell.geometry.tissues.stacks import (
     Stack,
     checked_end_wall,
+    checked_layers,
     default_size,
     edges_along,
     ring_elements,
@@ -164,8 +165,7 @@ class HexagonalCells(BaseModel):
     @field_validator("layers")
     @classmethod
     def _of_prisms(cls, layers: int, info: ValidationInfo) -> int:
-        if layers > 1 and info.data.get("height", layers) is None:
-            refuse("are layers of prisms; allowed: 1, or more with a height")
+        checked_layers(layers, info.data.get("height", layers))
         cells = info.data.get("rows", 1) * info.data.get("cols", 1)
         if layers * cells > MOST_CELLS:
             allowed = "with {cells} cells each these are {all}; allowed: rows * cols * layers <= {most}"

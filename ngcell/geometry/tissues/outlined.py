@@ -20,6 +20,7 @@ from ngcell.geometry.tissues.protocol import Lumens, TissueDensity
 from ngcell.geometry.tissues.stacks import (
     Stack,
     checked_end_wall,
+    checked_layers,
     default_size,
     edges_along,
     ring_elements,
@@ -153,9 +154,7 @@ class OutlinedCells(BaseModel):
     @field_validator("layers")
     @classmethod
     def _of_prisms(cls, layers: int, info: ValidationInfo) -> int:
-        if layers > 1 and info.data.get("height", layers) is None:
-            refuse("are layers of prisms; allowed: 1, or more with a height")
-        return layers
+        return checked_layers(layers, info.data.get("height", layers))
 
     @model_validator(mode="after")
     def _can_be_built(self) -> Self:

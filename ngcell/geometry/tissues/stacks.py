@@ -43,6 +43,13 @@ class Stack:
     end_wall: float | None = None
 
 
+def checked_layers(layers: int, height: float | None) -> int:
+    """Return the number of layers; refuse more than one of what is no prism."""
+    if layers > 1 and height is None:
+        refuse("are layers of prisms; allowed: 1, or more with a height")
+    return layers
+
+
 def checked_end_wall(end_wall: float | None, height: float | None) -> float | None:
     """Return the thickness of end walls [length]; refuse one that prisms of this height have no room for."""
     if end_wall is not None and (height is None or 2 * end_wall >= height):
