@@ -21,7 +21,7 @@ from ngcell.build.stages import stages_of
 from ngcell.contact.pairing.facing import count_corners
 from ngcell.errors import CaseError, NotConverged, OutputError
 from ngcell.export import accepted_steps, cannot_resume, read_restart, read_summary, restore_case
-from ngcell.geometry.bodies import FRAME, LOWER_PLATE, UPPER_PLATE
+from ngcell.geometry.bodies import FRAME, LEFT_SIDE, LOWER_PLATE, RIGHT_SIDE, UPPER_PLATE
 from ngcell.geometry.statistics import tissue_table
 from ngcell.recording import Recording, RecordingOptions, file_told, recorded_text, use_threads
 from ngcell.results.layout import layout_of
@@ -226,7 +226,7 @@ def draw_layout(case: AnyCase | BodyScene, path: Path) -> Path:
         tissue: Any = meshed.tissue.model_copy(update=flat)
         load = meshed.load
         bodies = tissue.mesh(load.supported, meshed.mesh)
-        supports = [] if load.supported is None else [LOWER_PLATE, UPPER_PLATE, FRAME]
+        supports = [] if load.supported is None else [LOWER_PLATE, UPPER_PLATE, LEFT_SIDE, RIGHT_SIDE, FRAME]
     else:
         found = discretise(meshed)
         bodies, supports = found.space.bodies, [support.region for support in found.motion.supports]

@@ -21,6 +21,8 @@ LUMEN = "lumen"
 UPPER_END, LOWER_END = "upper-end", "lower-end"
 #: Boundary regions of a tissue that its load holds or moves.
 LOWER_PLATE, UPPER_PLATE, FRAME = "lower-plate", "upper-plate", "frame"
+#: Those that lie along rigid side walls.
+LEFT_SIDE, RIGHT_SIDE = "left-side", "right-side"
 #: Boundary region of the ends that face another layer of prisms.
 BETWEEN = "between"
 
