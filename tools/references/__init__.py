@@ -9,6 +9,6 @@ from tools.commands import Commands
 
 commands = Commands(
     "tools.references",
-    ("certify", "confined", "expected", "hertz", "manufactured", "peel", "prisms", "radial", "spheres"),
+    ("certify", "confined", "expected", "hertz", "manufactured", "moduli", "peel", "prisms", "radial", "spheres"),
     __doc__,
 )
