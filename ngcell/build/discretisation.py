@@ -20,6 +20,7 @@ from ngcell.geometry.shapes import check_boundaries, mesh_shapes
 from ngcell.mechanics.applied.potential import AppliedLoads
 from ngcell.mechanics.bulk import BodyEnergy
 from ngcell.mechanics.laws.law import HyperelasticLaw
+from ngcell.mechanics.loading.indenter import Indenter
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.mechanics.term import Term
@@ -79,6 +80,8 @@ def _tissue(case: Case) -> Discretisation:
     tissue, lumen, load, wall = case.tissue, case.lumen, case.load, case.material
     regions, solid = (None, None) if lumen is None else (lumen.regions(tissue), lumen.solid)
     bodies = tissue.mesh(load.supported, case.mesh, regions, filled=solid is not None)
+    if isinstance(load, Indenter):
+        bodies = load.with_bodies(bodies)
     space = DisplacementSpace(bodies, case.mesh.plain_order)
     motion, tractions = load.motion(space), load.tractions()
     directions = None if wall.fibres is None else _wall_directions(bodies)

@@ -23,6 +23,8 @@ UPPER_END, LOWER_END = "upper-end", "lower-end"
 LOWER_PLATE, UPPER_PLATE, FRAME = "lower-plate", "upper-plate", "frame"
 #: Those that lie along rigid side walls.
 LEFT_SIDE, RIGHT_SIDE = "left-side", "right-side"
+#: Name and boundary region of a rigid body that is pressed into a tissue.
+INDENTER = "indenter"
 #: Boundary region of the ends that face another layer of prisms.
 BETWEEN = "between"
 
@@ -51,6 +53,8 @@ class BodyMesh:
         Which elements fill a lumen, bonded to their wall; they form the material region `FILLING`. By default none do.
     is_end_wall : array of bool, shape (elements,), optional
         Which elements close lumens of prisms; by default none do.
+    rigid_count : int
+        Number of rigid bodies, which are no cells: the last ones.
     extent : array of float, shape (2, dimension)
         Smallest and largest coordinates [length].
     """
@@ -64,6 +68,7 @@ class BodyMesh:
     is_filling: NDArray[np.bool_] | None = None
     is_end_wall: NDArray[np.bool_] | None = None
     thickness_of_body: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    rigid_count: int = 0
     extent: NDArray[np.float64] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -76,6 +81,11 @@ class BodyMesh:
     def body_count(self) -> int:
         """Number of bodies."""
         return len(self.body_names)
+
+    @property
+    def cell_count(self) -> int:
+        """Number of bodies that are not rigid."""
+        return self.body_count - self.rigid_count
 
     @property
     def dimension(self) -> int:
