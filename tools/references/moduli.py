@@ -75,7 +75,8 @@ class Frame:
     def lattice(self) -> Array:
         """Where the copies of the cell next to it are [length], shape (6, 2)."""
         half, rise = self.inclined * np.cos(self.angle), self.upright + self.inclined * np.sin(self.angle)
-        return np.array([(sign * x, sign * y) for sign in (1, -1) for x, y in ((2 * half, 0), (half, rise), (-half, rise))])
+        ahead = np.array([(2 * half, 0.0), (half, rise), (-half, rise)])
+        return np.concatenate([ahead, -ahead])
 
     @property
     def area(self) -> float:

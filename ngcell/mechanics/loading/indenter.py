@@ -61,7 +61,7 @@ class Indenter(BaseModel):
     model_config = SECTION
 
     moved: ClassVar[str] = INDENTER
-    #: A tied tissue would not be touched by it, and the balance of energy of load stepping breaks where it first touches.
+    #: A tied tissue would not be touched by it; in load stepping the balance of energy breaks where it first touches.
     strategies: ClassVar[tuple[str, ...]] = ("single-step",)
 
     kind: Literal["indenter"] = "indenter"

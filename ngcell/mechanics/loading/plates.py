@@ -80,8 +80,10 @@ class Plates(EndsOfPrisms):
 
         dimension = space.dimension
         whole, still = (True,) * dimension, np.zeros((dimension, dimension))
-        plates = [*held_sides(space, self.sides), Support(LOWER_PLATE, still, np.zeros(dimension), whole), Support(UPPER_PLATE, still, moved, whole)]
-        return PrescribedMotion(space, [*self.held_ends(space), *plates], lifting)
+        below = Support(LOWER_PLATE, still, np.zeros(dimension), whole)
+        above = Support(UPPER_PLATE, still, moved, whole)
+        supports = [*self.held_ends(space), *held_sides(space, self.sides), below, above]
+        return PrescribedMotion(space, supports, lifting)
 
     def prescribed_displacement(self, space: DisplacementSpace) -> Array:
         """Return the displacement of the upper plate at load factor 1 [length]."""
