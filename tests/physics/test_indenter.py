@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 import shapely
 
-from ngcell import Case, CaseError, read_case, simulate
+from ngcell import Case, CaseError, read_case, record, simulate
 from ngcell.build.discretisation import discretise
 from ngcell.build.reported import Step
 from ngcell.geometry.bodies import INDENTER, LEFT_SIDE, LOWER_PLATE, RIGHT_SIDE
+from ngcell.run import draw_layout
 
 BRICKS = {"kind": "brick", "rows": 2, "cols": 2, "aspect": 2.0, "wall": 0.1}
 MATERIAL = {"kind": "mooney-rivlin", "c1": 1.0, "c2": 1.0, "bulk_modulus": 100.0}
@@ -122,3 +123,12 @@ def test_only_single_steps_follow_an_indenter(tmp_path):
 def test_prisms_are_refused():
     with pytest.raises(ValueError, match="is for planar cells; allowed: a tissue without height"):
         case(SHAPES["flat"], tissue={**BRICKS, "height": 1.0})
+
+
+def test_the_indenter_is_drawn_and_recorded_beside_the_cells(tmp_path):
+    scene = case({**SHAPES["wedge"], "levels": 1}, observables=[{"kind": "rotation"}])
+    assert draw_layout(scene, tmp_path / "layout.png").stat().st_size > 10_000
+    list(record(scene, tmp_path / "run", threads=1))
+    rows = (tmp_path / "run" / "cells.csv").read_text().splitlines()
+    assert len(rows) == 1 + 4
+    assert (tmp_path / "run" / "tissue.png").is_file()

@@ -14,7 +14,7 @@ from pydantic import BaseModel, model_validator
 from pydantic_core import PydanticCustomError
 
 from ngcell.errors import CaseError
-from ngcell.geometry.bodies import LEFT_SIDE, LOWER_END, RIGHT_SIDE, UPPER_END
+from ngcell.geometry.bodies import LEFT_SIDE, LOWER_END, RIGHT_SIDE, UPPER_END, BodyMesh
 from ngcell.mechanics.applied.traction import Traction
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
@@ -112,6 +112,13 @@ class EndsOfPrisms(BaseModel):
             return ()
         ends = ((UPPER_END, -self.end_pressure), (LOWER_END, self.end_pressure))
         return tuple(Traction(boundary=end, vector=(0.0, 0.0, along)) for end, along in ends)
+
+
+def with_bodies_of(load: TissueLoad, bodies: BodyMesh) -> BodyMesh:
+    """Return the mesh of a tissue and of the bodies that its load brings: those that a method ``with_bodies`` adds."""
+    add = getattr(load, "with_bodies", None)
+    found: BodyMesh = bodies if add is None else add(bodies)
+    return found
 
 
 def held_sides(space: DisplacementSpace, sides: str) -> list[Support]:
