@@ -48,7 +48,7 @@ class Case(BaseModel):
         What their walls are made of.
     lumen : CellPressure, Inclusion or Fluid, optional
         What the cells hold; by default they are empty.
-    load : Plates, Frame or Ends
+    load : Plates, Frame, Ends or Indenter
         What moves them.
     strategy : Sddp, SingleStep or LoadStepping
         How the load path is followed.
