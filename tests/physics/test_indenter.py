@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import shapely
 
-from ngcell import Case, CaseError, read_case, record, simulate
+from ngcell import Case, CaseError, Indenter, read_case, record, simulate
 from ngcell.build.discretisation import discretise
 from ngcell.build.reported import Step
 from ngcell.geometry.bodies import INDENTER, LEFT_SIDE, LOWER_PLATE, RIGHT_SIDE
@@ -118,6 +118,11 @@ def test_only_single_steps_follow_an_indenter(tmp_path):
     file.write_text(text)
     with pytest.raises(CaseError, match=r"flat.toml: strategy.kind: is sddp, .* allowed: single-step"):
         read_case(file)
+
+
+def test_a_script_makes_the_load_of_a_case_file():
+    given = Indenter(depth=DEPTH, levels=2, **SHAPES["disc"])
+    assert given == case(SHAPES["disc"]).load
 
 
 def test_prisms_are_refused():
