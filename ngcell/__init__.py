@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
     from ngcell.mechanics.loading.ends import Ends
     from ngcell.mechanics.loading.frame import Frame
+    from ngcell.mechanics.loading.indenter import Indenter
     from ngcell.mechanics.loading.plates import Plates
     from ngcell.mechanics.lumens.fluid import Fluid
     from ngcell.mechanics.lumens.inclusion import Inclusion
@@ -100,6 +101,7 @@ _PLACES = {
     "ngcell.mechanics.laws.mooney_rivlin": ("MooneyRivlin",),
     "ngcell.mechanics.loading.ends": ("Ends",),
     "ngcell.mechanics.loading.frame": ("Frame",),
+    "ngcell.mechanics.loading.indenter": ("Indenter",),
     "ngcell.mechanics.loading.plates": ("Plates",),
     "ngcell.mechanics.lumens.fluid": ("Fluid",),
     "ngcell.mechanics.lumens.inclusion": ("Inclusion",),
@@ -149,6 +151,7 @@ __all__ = [
     "Frame",
     "GeometryError",
     "Inclusion",
+    "Indenter",
     "LabelImage",
     "LoadStepping",
     "MeshChoice",

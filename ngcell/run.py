@@ -25,8 +25,9 @@ from ngcell.contact.pairing.facing import count_corners
 from ngcell.errors import CaseError, NotConverged, OutputError
 from ngcell.export import accepted_steps, cannot_resume, read_restart, read_summary, restore_case
 from ngcell.export.atomic import replace_file
-from ngcell.geometry.bodies import FRAME, LOWER_PLATE, UPPER_PLATE
+from ngcell.geometry.bodies import FRAME, INDENTER, LEFT_SIDE, LOWER_PLATE, RIGHT_SIDE, UPPER_PLATE
 from ngcell.geometry.statistics import tissue_table
+from ngcell.mechanics.loading.load import with_bodies_of
 from ngcell.recording import Recording, RecordingOptions, file_told, recorded_text, use_threads
 from ngcell.results.layout import layout_of
 from ngcell.results.observables.observable import Observable
@@ -229,8 +230,8 @@ def draw_layout(case: AnyCase | BodyScene, path: Path) -> Path:
         flat = {name: value for name, value in flat.items() if name in type(meshed.tissue).model_fields}
         tissue: Any = meshed.tissue.model_copy(update=flat)
         load = meshed.load
-        bodies = tissue.mesh(load.supported, meshed.mesh)
-        supports = [] if load.supported is None else [LOWER_PLATE, UPPER_PLATE, FRAME]
+        bodies = with_bodies_of(load, tissue.mesh(load.supported, meshed.mesh))
+        supports = [] if load.supported is None else [LOWER_PLATE, UPPER_PLATE, LEFT_SIDE, RIGHT_SIDE, FRAME, INDENTER]
     else:
         found = discretise(meshed)
         bodies, supports = found.space.bodies, [support.region for support in found.motion.supports]

@@ -20,6 +20,7 @@ from ngcell.geometry.shapes import check_boundaries, mesh_shapes
 from ngcell.mechanics.applied.potential import AppliedLoads
 from ngcell.mechanics.bulk import BodyEnergy
 from ngcell.mechanics.laws.law import HyperelasticLaw
+from ngcell.mechanics.loading.load import with_bodies_of
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.mechanics.term import Term
@@ -78,7 +79,7 @@ def _tissue(case: Case) -> Discretisation:
     check_tissue_fits(case)
     tissue, lumen, load, wall = case.tissue, case.lumen, case.load, case.material
     regions, solid = (None, None) if lumen is None else (lumen.regions(tissue), lumen.solid)
-    bodies = tissue.mesh(load.supported, case.mesh, regions, filled=solid is not None)
+    bodies = with_bodies_of(load, tissue.mesh(load.supported, case.mesh, regions, filled=solid is not None))
     space = DisplacementSpace(bodies, case.mesh.plain_order)
     motion, tractions = load.motion(space), load.tractions()
     directions = None if wall.fibres is None else _wall_directions(bodies)

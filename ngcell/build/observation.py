@@ -156,7 +156,7 @@ class Observer:
         onsets = follow(record.plate_displacement, gaps, facing.thickness)
         gap, pressure = wall_fields(self._setup.walls, facing, view.problem, at)
         pressed = pressed_lengths(self._setup.walls, facing.pairs, view.problem, at)
-        held = cell_fields(view.problem.terms, at, record.load_factor)
+        held = self._of_all_bodies(cell_fields(view.problem.terms, at, record.load_factor))
         free = np.isin(np.arange(self._bodies.body_count), measured.free_bodies).astype(np.int64)
         bulk, walls = take_fields(
             view.problem,
@@ -208,10 +208,15 @@ class Observer:
 
     def _components(self, problem: Problem, measured: Measurement) -> CellComponents:
         """Return the components of a step; the tied solid is one."""
-        facing, count = self._setup.facing, self._bodies.body_count
+        facing, count = self._setup.facing, self._bodies.cell_count
         if not problem.unknowns.lets_bodies_part:
             return CellComponents(np.zeros(count, dtype=np.int64), np.array([count]))
         return find_components(facing, parted_pairs(facing, measured.gap), count)
+
+    def _of_all_bodies(self, fields: dict[str, Array]) -> dict[str, Array]:
+        """Return fields of cells as fields of all bodies: rigid ones, which come last, have 0."""
+        cells, rigid = self._bodies.cell_count, self._bodies.rigid_count
+        return {name: np.concatenate([values[:cells], np.zeros(rigid)]) for name, values in fields.items()}
 
     def _record(
         self, number: int, accepted: Accepted, measured: Measurement, components: CellComponents, seconds: float

@@ -21,6 +21,10 @@ LUMEN = "lumen"
 UPPER_END, LOWER_END = "upper-end", "lower-end"
 #: Boundary regions of a tissue that its load holds or moves.
 LOWER_PLATE, UPPER_PLATE, FRAME = "lower-plate", "upper-plate", "frame"
+#: Those that lie along rigid side walls.
+LEFT_SIDE, RIGHT_SIDE = "left-side", "right-side"
+#: Name and boundary region of a rigid body that is pressed into a tissue.
+INDENTER = "indenter"
 #: Boundary region of the ends that face another layer of prisms.
 BETWEEN = "between"
 
@@ -52,6 +56,8 @@ class BodyMesh:
     is_swept : bool
         Whether bodies are planar rings of quadrilaterals, swept along their outlines: those around lumens have their
         first two nodes along the outer side of their layer, and the fourth behind the first on its inner side.
+    rigid_count : int
+        Number of rigid bodies, which are no cells: the last ones.
     extent : array of float, shape (2, dimension)
         Smallest and largest coordinates [length].
     """
@@ -66,6 +72,7 @@ class BodyMesh:
     is_end_wall: NDArray[np.bool_] | None = None
     is_swept: bool = False
     thickness_of_body: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    rigid_count: int = 0
     extent: NDArray[np.float64] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -78,6 +85,11 @@ class BodyMesh:
     def body_count(self) -> int:
         """Number of bodies."""
         return len(self.body_names)
+
+    @property
+    def cell_count(self) -> int:
+        """Number of bodies that are not rigid."""
+        return self.body_count - self.rigid_count
 
     @property
     def dimension(self) -> int:

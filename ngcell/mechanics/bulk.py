@@ -177,7 +177,8 @@ class InclusionEnergy(SymbolicTerm):
         parts = [part.Diff(gradient) for part in self.law.energy_parts(gradient)]
         works = [ngsolve.InnerProduct(part, gradient) * rule for part, rule in zip(parts, rules, strict=True)]
         volume = _by_body(space, ngsolve.Det(gradient) * reduced)
-        return {"cell_pressure": -sum(_by_body(space, work) for work in works) / 3 / volume}
+        work = -sum(_by_body(space, work) for work in works) / 3
+        return {"cell_pressure": np.divide(work, volume, out=np.zeros_like(volume), where=volume != 0)}
 
 
 def _in_bodies(term: SymbolicTerm, at: Configuration) -> Array:

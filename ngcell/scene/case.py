@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from math import isclose
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, Field, Strict, ValidationInfo, field_validator
+from pydantic import BaseModel, Field, Strict, ValidationInfo, field_validator, model_validator
 
 from ngcell.scene.accuracy import DEFAULT_ACCURACY, Accuracy
 from ngcell.scene.choice import OneOf
@@ -48,7 +48,7 @@ class Case(BaseModel):
         What their walls are made of.
     lumen : CellPressure, Inclusion or Fluid, optional
         What the cells hold; by default they are empty.
-    load : Plates, Frame or Ends
+    load : Plates, Frame, Ends or Indenter
         What moves them.
     strategy : Sddp, SingleStep or LoadStepping
         How the load path is followed.
@@ -109,3 +109,11 @@ class Case(BaseModel):
                 allowed = "is not reported; allowed: a level of the load ({reported})"
                 refuse(allowed, number, "level", reported=levels)
         return expected
+
+    @model_validator(mode="after")
+    def _can_be_followed(self) -> Self:
+        kinds, kind = getattr(self.load, "strategies", None), getattr(self.strategy, "kind", None)
+        if kinds is not None and kind is not None and kind not in kinds:
+            words = "is {kind}, which cannot follow this load; allowed: {kinds}"
+            refuse(words, "strategy", "kind", kind=kind, kinds=", ".join(kinds))
+        return self

@@ -98,6 +98,8 @@ def _file_path(detail: ErrorDetails, table: Any) -> Iterator[str | int]:
     Where a value may be of one sort or of another, the validator goes on with the name of the sort, once for each: the
     value itself is to blame.
     """
+    if not detail["loc"]:
+        return  # of the case as a whole
     *inner, last = detail["loc"]
     for part in inner:
         if isinstance(part, str) and not isinstance(table, dict):

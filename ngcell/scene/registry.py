@@ -114,6 +114,7 @@ _SHIPPED = {
             "plates": "ngcell.mechanics.loading.plates:Plates",
             "frame": "ngcell.mechanics.loading.frame:Frame",
             "ends": "ngcell.mechanics.loading.ends:Ends",
+            "indenter": "ngcell.mechanics.loading.indenter:Indenter",
         },
         protocol="ngcell.mechanics.loading.load:TissueLoad",
     ),

@@ -205,7 +205,7 @@ def test_schema_offers_each_kind_and_refuses_unknown_keys() -> None:
     offered = schema()["$defs"]["Case"]
     assert offered["required"] == ["tissue", "material", "load"]
     assert offered["additionalProperties"] is False
-    assert set(offered["properties"]["load"]["discriminator"]["mapping"]) == {"plates", "frame", "ends"}
+    assert set(offered["properties"]["load"]["discriminator"]["mapping"]) == {"plates", "frame", "ends", "indenter"}
 
 
 def test_quantities_are_columns_of_the_history() -> None:

@@ -9,7 +9,7 @@ from tools.commands import Commands
 
 commands = Commands(
     "tools.references",
-    ("averages", "certify", "confined", "contact-error", "expected", "hertz", "manufactured", "peel", "peers", "prisms",
-     "radial", "spheres"),
+    ("averages", "certify", "confined", "contact-error", "expected", "hertz", "manufactured", "moduli", "peel", "peers",
+     "prisms", "radial", "spheres"),
     __doc__,
 )

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationInfo, field_validator
 
 from ngcell.geometry.bodies import FRAME, LOWER_PLATE, UPPER_PLATE, BodyMesh
+from ngcell.geometry.held import confined_walls
 from ngcell.geometry.lattice import WALLS, Lattice, hexagonal_lattice
 from ngcell.geometry.outlines import Outlines
 from ngcell.geometry.tissues.protocol import Lumens, TissueDensity
@@ -30,6 +31,8 @@ Array = NDArray[np.float64]
 
 #: A patch beyond this is out of reach of a direct solver on one machine; far more often it is a typing error.
 MOST_CELLS = 10_000
+#: Distance as a share of a cell's side that round-off makes.
+_ROUND_OFF = 1e-6
 
 
 class HexagonalCells(BaseModel):
@@ -193,10 +196,14 @@ def _apothem(side: float) -> float:
 
 
 def supported_walls(lattice: Lattice, supported: str | None) -> dict[str, NDArray[np.bool_]]:
-    """Return which walls each supported region consists of, as arrays of shape (cells, 6)."""
+    """Return which walls each supported region consists of, as arrays of shape (cells, 6); see
+    `ngcell.geometry.held.held_walls`. Side walls hold what lies whole within half of a cell's side."""
     if supported is None:
         return {}
     if supported == "frame":
         return {FRAME: lattice.neighbours < 0}
     top = int(lattice.row_of_cell.max())
-    return {LOWER_PLATE: lattice.hull_walls(0, -1), UPPER_PLATE: lattice.hull_walls(top, 1)}
+    plates = {LOWER_PLATE: lattice.hull_walls(0, -1), UPPER_PLATE: lattice.hull_walls(top, 1)}
+    if supported == "plates":
+        return plates
+    return {**plates, **confined_walls(lattice.outlines, plates, (0.5 + _ROUND_OFF) * lattice.side)}

@@ -60,9 +60,10 @@ class TissueGeometry(Protocol):
 
         Parameters
         ----------
-        supported : {"plates", "frame", None}
+        supported : {"plates", "confined", "frame", None}
             Which outer walls form regions that a load holds or moves: those that face down at the bottom and up at
-            the top, `LOWER_PLATE` and `UPPER_PLATE`; all of them, `FRAME`; or none.
+            the top, `LOWER_PLATE` and `UPPER_PLATE`; where the tissue is confined, those along its left and right edge
+            as well, `LEFT_SIDE` and `RIGHT_SIDE`; all of them, `FRAME`; or none.
         choice : TissueDensity
             How fine it is.
         lumens : dict of str to array of int, optional

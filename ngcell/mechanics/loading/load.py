@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, model_validator
 from pydantic_core import PydanticCustomError
 
-from ngcell.geometry.bodies import LOWER_END, UPPER_END
+from ngcell.errors import CaseError
+from ngcell.geometry.bodies import LEFT_SIDE, LOWER_END, RIGHT_SIDE, UPPER_END, BodyMesh
 from ngcell.mechanics.applied.traction import Traction
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
@@ -30,7 +31,8 @@ class TissueLoad(Protocol):
 
     @property
     def supported(self) -> str | None:
-        """Which outer walls it holds or moves: "plates", "frame" or none; see `ngcell.geometry.tissues.protocol`."""
+        """Which outer walls it holds or moves: "plates", "confined", "frame" or none; see
+        `ngcell.geometry.tissues.protocol`."""
 
     @property
     def moved(self) -> str:
@@ -110,6 +112,31 @@ class EndsOfPrisms(BaseModel):
             return ()
         ends = ((UPPER_END, -self.end_pressure), (LOWER_END, self.end_pressure))
         return tuple(Traction(boundary=end, vector=(0.0, 0.0, along)) for end, along in ends)
+
+
+def with_bodies_of(load: TissueLoad, bodies: BodyMesh) -> BodyMesh:
+    """Return the mesh of a tissue and of the bodies that its load brings: those that a method ``with_bodies`` adds."""
+    add = getattr(load, "with_bodies", None)
+    found: BodyMesh = bodies if add is None else add(bodies)
+    return found
+
+
+def held_sides(space: DisplacementSpace, sides: str) -> list[Support]:
+    """Return the supports of confined sides, which keep their place along x; none of free ones.
+
+    Raises
+    ------
+    CaseError
+        If a tissue of a script has no such sides.
+    """
+    if sides == "free":
+        return []
+    dimension, along_x = space.dimension, (True, *(False,) * (space.dimension - 1))
+    for side in (LEFT_SIDE, RIGHT_SIDE):
+        if not len(space.region_unknowns(side)):
+            raise CaseError(f'load.sides: the tissue has no region "{side}" to hold; allowed: free sides')
+    still = np.zeros((dimension, dimension))
+    return [Support(f"{LEFT_SIDE}|{RIGHT_SIDE}", still, np.zeros(dimension), along_x)]
 
 
 def check_one_given(**choices: object) -> None:

@@ -10,16 +10,17 @@ from pydantic import model_validator
 
 from ngcell.errors import CaseError
 from ngcell.geometry.bodies import LOWER_PLATE, UPPER_PLATE
-from ngcell.mechanics.loading.load import EndsOfPrisms, check_one_given
+from ngcell.mechanics.loading.load import EndsOfPrisms, check_one_given, held_sides
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
+from ngcell.scene.scope import refuse
 from ngcell.scene.section import PlanarVector, PositiveNumber
 
 Array = NDArray[np.float64]
 
 
 class Plates(EndsOfPrisms):
-    """Two plates: the outer walls that face down are held, those that face up are moved, the sides are free.
+    """Two plates: the outer walls that face down are held, those that face up are moved, the sides free or confined.
 
     Exactly one of `displacement` and `stretch` is given.
 
@@ -29,22 +30,36 @@ class Plates(EndsOfPrisms):
         Displacement of the upper plate at load factor 1, a length.
     stretch : float, optional
         Distance of the plates at load factor 1 over the distance at rest, > 0.
+    sides : {"free", "confined"}
+        Whether the sides of the tissue are free, or between rigid walls without friction: outer walls along the left
+        and the right edge then keep their place along x, and slide along y. They neither come off nor stick.
 
     Notes
     -----
     Further keys are those of `ngcell.mechanics.loading.load.EndsOfPrisms`.
     """
 
-    supported: ClassVar[str | None] = "plates"
     moved: ClassVar[str] = UPPER_PLATE
 
     kind: Literal["plates"] = "plates"
+    sides: Literal["free", "confined"] = "free"
     displacement: PlanarVector | None = None
     stretch: PositiveNumber | None = None
+
+    @property
+    def supported(self) -> str:
+        """Which outer walls it holds or moves: those on the plates, where the tissue is confined those at its sides."""
+        return "plates" if self.sides == "free" else self.sides
 
     @model_validator(mode="after")
     def _one_motion(self) -> Self:
         check_one_given(displacement=self.displacement, stretch=self.stretch)
+        return self
+
+    @model_validator(mode="after")
+    def _along_the_sides(self) -> Self:
+        if self.sides == "confined" and self.displacement is not None and self.displacement[0]:
+            refuse("moves the plate through the side walls; allowed: 0 along x, or free sides", "displacement", 0)
         return self
 
     def motion(self, space: DisplacementSpace) -> PrescribedMotion:
@@ -65,8 +80,10 @@ class Plates(EndsOfPrisms):
 
         dimension = space.dimension
         whole, still = (True,) * dimension, np.zeros((dimension, dimension))
-        plates = [Support(LOWER_PLATE, still, np.zeros(dimension), whole), Support(UPPER_PLATE, still, moved, whole)]
-        return PrescribedMotion(space, [*self.held_ends(space), *plates], lifting)
+        below = Support(LOWER_PLATE, still, np.zeros(dimension), whole)
+        above = Support(UPPER_PLATE, still, moved, whole)
+        supports = [*self.held_ends(space), *held_sides(space, self.sides), below, above]
+        return PrescribedMotion(space, supports, lifting)
 
     def prescribed_displacement(self, space: DisplacementSpace) -> Array:
         """Return the displacement of the upper plate at load factor 1 [length]."""

@@ -1,0 +1,139 @@
+"""A rigid indenter in a tissue: force, work and energy, and the cells in its way."""
+
+from __future__ import annotations
+
+from math import inf
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+
+from ngcell import Case, CaseError, Indenter, read_case, record, simulate
+from ngcell.build.discretisation import discretise
+from ngcell.build.reported import Step
+from ngcell.geometry.bodies import INDENTER, LEFT_SIDE, LOWER_PLATE, RIGHT_SIDE
+from ngcell.run import draw_layout
+
+BRICKS = {"kind": "brick", "rows": 2, "cols": 2, "aspect": 2.0, "wall": 0.1}
+MATERIAL = {"kind": "mooney-rivlin", "c1": 1.0, "c2": 1.0, "bulk_modulus": 100.0}
+SHAPES: dict[str, dict[str, Any]] = {
+    "flat": {"shape": "flat", "width": 1.5, "place": 2.6},
+    "disc": {"shape": "disc", "radius": 1.0},
+    "wedge": {"shape": "wedge", "width": 1.0, "angle": 80.0},
+}
+DEPTH, CLEARANCE = 0.15, 0.01
+
+
+def case(load: dict[str, Any], **parts: Any) -> Case:
+    given = {"tissue": BRICKS, "material": MATERIAL, "strategy": {"kind": "single-step"}, "mesh": {"order": 2}}
+    given = {**given, "accuracy": inf, **parts}
+    return Case.model_validate({**given, "load": {"kind": "indenter", "depth": DEPTH, "levels": 2, **load}})
+
+
+def followed(load: dict[str, Any], **parts: Any) -> list[Step]:
+    steps = simulate(case(load, **parts))
+    assert all(step.record.certified and step.record.phase == "released" for step in steps)
+    return steps
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_the_work_of_the_indenter_is_the_energy(shape):
+    steps = {step.record.load_factor: step.record for step in followed({**SHAPES[shape], "levels": [0.96, 1.0, 0.98]})}
+    before, full, middle = steps[0.96], steps[1.0], steps[0.98]
+    assert full.plate_displacement == pytest.approx(DEPTH + CLEARANCE)
+    assert full.energy > before.energy > 0 > middle.plate_force_y
+    slope = (full.energy - before.energy) / (0.04 * full.plate_displacement)
+    assert slope == pytest.approx(-middle.plate_force_y, rel=2e-3)
+
+
+@pytest.mark.parametrize("sides", ["free", "confined"])
+def test_plate_and_sides_bear_what_the_indenter_presses_with(sides):
+    load = {**SHAPES["disc"], "sides": sides}
+    *_, step = followed(load)
+    built, reaction = discretise(case(load)), step.measurement.reaction
+    pressed = built.motion.resultant(reaction, INDENTER)
+    total = (reaction.reshape(2, -1) * built.space.one).sum(1)
+    np.testing.assert_allclose(total, 0, atol=1e-6 * abs(pressed[1]))
+    assert step.record.plate_force_y == pytest.approx(pressed[1])
+    assert built.motion.resultant(reaction, LOWER_PLATE)[1] == pytest.approx(-pressed[1], rel=1e-5)
+    pushed = [built.motion.resultant(reaction, side)[0] for side in (LEFT_SIDE, RIGHT_SIDE)]
+    assert pushed[0] >= 0 >= pushed[1] if sides == "confined" else pushed == [0, 0]
+
+
+def test_the_indenter_is_rigid_stores_nothing_and_is_no_cell():
+    *_, step = followed(SHAPES["wedge"])
+    space = discretise(case(SHAPES["wedge"])).space
+    own = (space.body_of_unknown == space.bodies.cell_count) & (space.one > 0)
+    moved = step.displacement.reshape(2, -1)[:, own]
+    np.testing.assert_allclose(moved, np.broadcast_to([[0], [-DEPTH - CLEARANCE]], moved.shape), atol=1e-14)
+    assert len(step.cells) == space.bodies.cell_count == 4
+    assert all(max(wall.cell_a, wall.cell_b) < 4 for wall in step.walls)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_cells_are_not_in_the_way_of_the_indenter(shape):
+    """The outlines of all bodies at the end, straight between vertices, overlap by what contact gives in."""
+    *_, step = followed(SHAPES[shape])
+    space = discretise(case(SHAPES[shape])).space
+    at = (space.rest + step.displacement.reshape(2, -1))[:, : space.mesh.nv].T
+    parts: list[list[shapely.Polygon]] = [[] for _ in range(space.body_count)]
+    for element, body in zip(space.mesh.Elements(), space.bodies.body_of_element, strict=True):
+        parts[body].append(shapely.Polygon(at[[vertex.nr for vertex in element.vertices]]))
+    *cells, indenter = (shapely.union_all(elements) for elements in parts)
+    assert indenter.bounds[1] == pytest.approx(2.0 - DEPTH)
+    assert sum(cell.intersection(indenter).area for cell in cells) < 0.01 * DEPTH
+
+
+@pytest.mark.parametrize(
+    "lumen", [{"kind": "pressure", "pressure": 0.002}, {"kind": "inclusion", "material": MATERIAL}, {"kind": "fluid"}]
+)
+def test_filled_cells_resist_more(lumen):
+    load = {**SHAPES["disc"], "depth": 0.05, "levels": 1}
+    hollow, filled = followed(load)[-1], followed(load, lumen=lumen)[-1]
+    assert filled.record.plate_force_y < hollow.record.plate_force_y < 0
+    assert all(cell.pressure > 0 for cell in filled.cells)
+
+
+def test_hollow_cells_return_with_the_indenter():
+    there, _, back = (step.record for step in followed({**SHAPES["disc"], "levels": [0.5, 1.0, 0.5]}))
+    assert back.energy == pytest.approx(there.energy, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("entries", "says"),
+    [({"depth": 2.0}, "is through the tissue; allowed: below 2"), ({"place": -1.0}, "allowed: from 0 to 5")],
+)
+def test_an_indenter_that_misses_or_goes_through_is_refused(entries, says):
+    with pytest.raises(CaseError, match=says):
+        simulate(case({**SHAPES["flat"], **entries}))
+
+
+def test_only_single_steps_follow_an_indenter(tmp_path):
+    with pytest.raises(ValueError, match="is sddp, which cannot follow this load; allowed: single-step"):
+        case(SHAPES["flat"], strategy={"kind": "sddp"})
+    file = tmp_path / "flat.toml"
+    text = 'tissue = { rows = 1, cols = 1, wall = 0.1 }\nmaterial = { kind = "mooney-rivlin", c1 = 1.0, c2 = 1.0'
+    text += ', bulk_modulus = 9.0 }\nload = { kind = "indenter", shape = "flat", width = 1.0, depth = 0.1 }\n'
+    file.write_text(text)
+    with pytest.raises(CaseError, match=r"flat.toml: strategy.kind: is sddp, .* allowed: single-step"):
+        read_case(file)
+
+
+def test_a_script_makes_the_load_of_a_case_file():
+    given = Indenter(depth=DEPTH, levels=2, **SHAPES["disc"])
+    assert given == case(SHAPES["disc"]).load
+
+
+def test_prisms_are_refused():
+    with pytest.raises(ValueError, match="is for planar cells; allowed: a tissue without height"):
+        case(SHAPES["flat"], tissue={**BRICKS, "height": 1.0})
+
+
+def test_the_indenter_is_drawn_and_recorded_beside_the_cells(tmp_path):
+    scene = case({**SHAPES["wedge"], "levels": 1}, observables=[{"kind": "rotation"}])
+    assert draw_layout(scene, tmp_path / "layout.png").stat().st_size > 10_000
+    list(record(scene, tmp_path / "run", threads=1))
+    rows = (tmp_path / "run" / "cells.csv").read_text().splitlines()
+    assert len(rows) == 1 + 4
+    assert (tmp_path / "run" / "tissue.png").is_file()
