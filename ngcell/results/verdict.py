@@ -125,7 +125,7 @@ def came_apart(summary: Summary) -> str:
     sizes: Sequence[int] = found.get("component_sizes") or ()
     words = [f"{opened} of {_count(pairs, 'wall pair')} opened and {parted} parted"]
     if len(sizes) > 1:
-        words.append(f"{_count(summary.get('bodies', sum(sizes)), 'cell')} in {len(sizes)} connected components")
+        words.append(f"{_count(sum(sizes), 'cell')} in {len(sizes)} connected components")
     free = summary.get("held_by_nothing") or ()
     if free:
         words.append(f"{_count(len(free), 'cell')} held by nothing")

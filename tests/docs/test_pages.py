@@ -14,7 +14,15 @@ from tools.places import DOCS
 HOW_TO = sorted((DOCS / "how-to").glob("*.md"))
 #: Pages whose cases and scripts other tests take: tests/run/test_documents.py, test_end_to_end.py and
 #: test_expected_numbers.py. Commands of all documents are checked in test_commands.py.
-ELSEWHERE = {"cases": ["toml"], "python": ["python"], "output": ["python"], "bodies": ["toml"]}
+ELSEWHERE = {
+    "cases": ["toml"],
+    "python": ["python"],
+    "output": ["python"],
+    "bodies": ["toml"],
+    "command-line": ["toml"],
+    "rupture": ["toml"],
+    "sweeps": ["toml", "python", "python"],
+}
 
 
 def smaller(text: str) -> str:

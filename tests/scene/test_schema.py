@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from ngcell.scene import schema, shipped_cases
+from ngcell.scene.vocabulary import study_schema
 
 SCHEMA = schema()
 TYPES = {"object": dict, "array": list, "string": str, "integer": int, "number": (int, float), "null": type(None)}
@@ -87,6 +88,7 @@ def test_an_infinite_accuracy_fits_as_editors_read_it() -> None:
 
 
 SHELF = min((file.parent for file in shipped_cases().values()), key=lambda folder: len(folder.parts))
+STUDIES = SHELF / "studies"
 FILES = sorted(SHELF.rglob("*.toml"))
 
 
@@ -95,7 +97,14 @@ def test_the_schema_that_comes_with_the_cases_is_that_of_the_package() -> None:
     assert json.loads((SHELF / "case.schema.json").read_text(encoding="utf-8")) == SCHEMA, told
 
 
+def test_the_schema_that_comes_with_the_studies_is_that_of_the_package() -> None:
+    told = "the schema has changed: ngcell schema --study --out cases/studies/study.schema.json"
+    shipped = json.loads((STUDIES / "study.schema.json").read_text(encoding="utf-8"))
+    assert shipped == json.loads(json.dumps(study_schema())), told
+
+
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
 def test_case_files_begin_with_their_schema(file: Path) -> None:
     word, place = file.read_text(encoding="utf-8").splitlines()[0].split()
-    assert word == "#:schema" and (file.parent / place).resolve() == (SHELF / "case.schema.json").resolve()
+    schema = STUDIES / "study.schema.json" if file.parent == STUDIES else SHELF / "case.schema.json"
+    assert word == "#:schema" and (file.parent / place).resolve() == schema.resolve()

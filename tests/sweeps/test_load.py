@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+import json
+import subprocess
+import sys
+
 from tests.sweeps.conftest import SMALL
-from tools.studies.sweeps import memory_along, use_of_cores
+from tools.studies.sweeps import use_of_cores
 
 
 def test_the_driver_keeps_nothing_of_runs_that_have_ended(tmp_path):
-    rows = memory_along(600, tmp_path / "out")
+    # A process of its own: that of the tests is as large as all that ran in it before.
+    script = "import json, sys; from pathlib import Path; from tools.studies.sweeps import memory_along\n"
+    script += "print(json.dumps(memory_along(600, Path(sys.argv[1]))))"
+    run = subprocess.run([sys.executable, "-c", script, str(tmp_path / "out")], capture_output=True, text=True, check=True)
+    rows = json.loads(run.stdout.splitlines()[-1])
     first, last = (next(row for row in rows if row["done"] == done) for done in (300, 600))
     assert len(rows) == 21 and rows[-1]["done"] == 600
     assert last["memory_mib"] - first["memory_mib"] < 3.0  # 300 results of 10 kB would be as much
