@@ -14,7 +14,8 @@ def test_the_driver_keeps_nothing_of_runs_that_have_ended(tmp_path):
     # A process of its own: that of the tests is as large as all that ran in it before.
     script = "import json, sys; from pathlib import Path; from tools.studies.sweeps import memory_along\n"
     script += "print(json.dumps(memory_along(600, Path(sys.argv[1]))))"
-    run = subprocess.run([sys.executable, "-c", script, str(tmp_path / "out")], capture_output=True, text=True, check=True)
+    command = [sys.executable, "-c", script, str(tmp_path / "out")]
+    run = subprocess.run(command, capture_output=True, text=True, check=True)
     rows = json.loads(run.stdout.splitlines()[-1])
     first, last = (next(row for row in rows if row["done"] == done) for done in (300, 600))
     assert len(rows) == 21 and rows[-1]["done"] == 600
