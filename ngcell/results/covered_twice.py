@@ -18,8 +18,9 @@ import shapely
 from numpy.typing import NDArray
 
 from ngcell.contact.surface.edges import EdgeSurface
+from ngcell.contact.surface.loops import signed_area
 from ngcell.mechanics.space import DisplacementSpace
-from ngcell.results.outlines import all_boundaries, outlines, signed_area
+from ngcell.results.outlines import all_boundaries, outlines
 
 Array = NDArray[np.float64]
 

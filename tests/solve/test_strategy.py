@@ -48,7 +48,7 @@ def by_sddp(tissue: SmallTissue, path: Continuation = PATH, *, steps: int = 1) -
 
 
 def task_of(tissue: SmallTissue, path: Continuation = PATH, *, steps: list[float], levels: list[float]) -> Task:
-    problems = SimpleNamespace(tied=(tissue.minimiser(tissue.tied),), released=released(tissue, path))
+    problems = SimpleNamespace(tied=(tissue.minimiser(tissue.tied),), closing=(), released=released(tissue, path))
     return Task(problems, tissue.motion, steps, levels)
 
 
