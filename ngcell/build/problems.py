@@ -25,7 +25,7 @@ from ngcell.contact.methods.terms import CohesionTerm, ContactTerm
 from ngcell.contact.pairing.facing import find_facing
 from ngcell.contact.pairing.near import Reach
 from ngcell.contact.surface.find import find_surface
-from ngcell.contact.surface.lumens import find_lumens
+from ngcell.contact.surface.lumens import LumenSurface, find_lumens
 from ngcell.mechanics.fluid import LumenFluids
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.symbolic import fused
@@ -118,16 +118,18 @@ class Problems:
         return tuple(stage if isinstance(stage, Term) else ContactTerm(stage) for stage in stages)
 
     @cached_property
-    def _self_contact_stages(self) -> tuple[SelfContact, ...]:
-        """Contact of empty lumens with themselves, stage by stage; none where there are none, or fluids keep them open.
-        """
+    def _lumens(self) -> LumenSurface | None:
+        """The lumens that may close: those that are empty, unless fluids keep them open."""
         if any(isinstance(term, LumenFluids) for term in self._terms):
-            return ()
-        lumens = find_lumens(self.bodies, self.space.scalar, self.space.rest)
-        if lumens is None:
-            return ()
+            return None
+        return find_lumens(self.bodies, self.space.scalar, self.space.rest)
+
+    def _self_contact(self, count: int) -> list[SelfContact]:
+        """Return contact of lumens with themselves in so many stages; none where no lumen may close."""
+        if self._lumens is None:
+            return []
         moduli = np.array([law.plane_strain_modulus for law in self.discretisation.walls])
-        return tuple(self_contact_stages(lumens, moduli, len(self._contact_stages), self.options.contact))
+        return self_contact_stages(self._lumens, moduli, count, self.options.contact)
 
     @property
     def contact(self) -> Term:
@@ -166,13 +168,14 @@ class Problems:
     @cached_property
     def closing_problems(self) -> tuple[Problem, ...]:
         """The tied solid whose lumens touch themselves, stage by stage."""
-        return self._tied_problems(self._self_contact_stages[-1:])
+        return self._tied_problems(self._self_contact(1))
 
     @cached_property
     def released_problems(self) -> tuple[Problem, ...]:
         """The tissue with its walls in unilateral contact, stage by stage."""
         *softer, meant = self._volume_stages
-        within = [(stage,) for stage in self._self_contact_stages] or [()] * len(self._contact_stages)
+        count = len(self._contact_stages)
+        within = [(stage,) for stage in self._self_contact(count)] or [()] * count
         contacts = [(stage, *mine) for stage, mine in zip(self._contact_stages, within, strict=True)]
         stages = [(*terms, *contacts[0]) for terms in softer]
         stages += [(*meant, *contact) for contact in contacts]
@@ -191,7 +194,7 @@ class Problems:
     @property
     def closing(self) -> tuple[Minimiser, ...]:
         """Minimisers of the tied solid whose lumens touch themselves; none where no lumen can."""
-        if not self._self_contact_stages:
+        if self._lumens is None:
             return ()
         return tuple(self._minimiser(problem, self.longest_step) for problem in self.closing_problems)
 

@@ -220,8 +220,10 @@ class _Level(Generic[Scene]):
 
     def _tied_at(self, displacement: Array, load: float) -> Minimiser:
         """Return the minimiser of the tied solid: with contact where a body touches itself."""
-        closing = self._closing
-        return (closing if has_contact(closing, displacement, load) else self._tied)[-1]
+        if not has_contact(self._closing, displacement, load):
+            return self._tied[-1]
+        self._closing[-1].problem.reset()
+        return self._closing[-1]
 
     def settled(self, coarse: Refined[Scene]) -> Refined[Scene] | None:
         """Return a step on this mesh that was found on the one before; None where it finds no equilibrium."""

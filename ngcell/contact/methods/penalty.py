@@ -180,8 +180,13 @@ class PenaltyContact:
 
     def follow(self, other: ContactMethod, positions: Array) -> None:
         """Take back what was raised; from now on penalty terms adapt, unless they go on from themselves."""
-        self._take_back()
+        self.restart()
         self._stiffens = self._may_stiffen and other is not self
+
+    def restart(self) -> None:
+        """Take back what was raised; from now on penalty terms adapt."""
+        self._take_back()
+        self._stiffens = self._may_stiffen
 
     def update_multipliers(self, contact: ContactSet, positions: Array, stored: StoredEnergy) -> tuple[float, float]:
         """Stiffen the penalty terms that are too soft, and return the deepest overlap of these, else zeros."""

@@ -129,6 +129,10 @@ class SelfContact(Term):
         assert isinstance(before, SelfContact)
         self.method.follow(before.method, at.positions)
 
+    def reset(self) -> None:
+        """Forget what the penalty was raised to, and let it adapt again."""
+        self.method.restart()
+
     def update_multipliers(self, at: Configuration, stored: StoredEnergy) -> tuple[float, float]:
         """Let penalty terms that are too soft be made stiffer, lumen by lumen."""
         found, bodies = self.found(at), self.method.lumens.body_of_loop

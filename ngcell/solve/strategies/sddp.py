@@ -116,6 +116,7 @@ def _tied_minimum(task: Task, start: Array, proximal: ProximalTerm, load: float)
         minimum = _minimum_of(task.tied, task, start, proximal, load)
         if not minimum.is_found or not has_contact(task.closing, minimum.state.displacement, load):
             return minimum
+    task.closing[-1].problem.reset()
     return _minimum_of(task.closing, task, start, proximal, load)
 
 
