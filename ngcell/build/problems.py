@@ -26,7 +26,6 @@ from ngcell.contact.pairing.facing import find_facing
 from ngcell.contact.pairing.near import Reach
 from ngcell.contact.surface.find import find_surface
 from ngcell.contact.surface.lumens import LumenSurface, find_lumens
-from ngcell.mechanics.fluid import LumenFluids
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.symbolic import fused
 from ngcell.mechanics.term import Term
@@ -120,7 +119,7 @@ class Problems:
     @cached_property
     def _lumens(self) -> LumenSurface | None:
         """The lumens that may close: those that are empty, unless fluids keep them open."""
-        if any(isinstance(term, LumenFluids) for term in self._terms):
+        if any(term.keeps_lumens_open for term in self._terms):
             return None
         return find_lumens(self.bodies, self.space.scalar, self.space.rest)
 
@@ -175,7 +174,7 @@ class Problems:
         """The tissue with its walls in unilateral contact, stage by stage."""
         *softer, meant = self._volume_stages
         count = len(self._contact_stages)
-        within = [(stage,) for stage in self._self_contact(count)] or [()] * count
+        within: list[tuple[Term, ...]] = [(stage,) for stage in self._self_contact(count)] or [()] * count
         contacts = [(stage, *mine) for stage, mine in zip(self._contact_stages, within, strict=True)]
         stages = [(*terms, *contacts[0]) for terms in softer]
         stages += [(*meant, *contact) for contact in contacts]

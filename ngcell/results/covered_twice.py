@@ -79,9 +79,7 @@ def _winding(points: Array, line: Array) -> Array:
     return np.asarray(up.sum(1) - down.sum(1), dtype=float)
 
 
-def depth_in_others(
-    space: DisplacementSpace, walls: EdgeSurface, positions: Array, unit: Array | None = None
-) -> float:
+def depth_in_others(space: DisplacementSpace, walls: EdgeSurface, positions: Array, unit: Array | None = None) -> float:
     """Return the largest depth, >= 0, of a part that two bodies share, in the plane; over the smaller `unit` of both,
     shape (bodies,), where lengths of bodies are given.
 

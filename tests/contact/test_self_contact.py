@@ -123,7 +123,7 @@ def test_lumens_of_two_cells_have_nothing_to_do_with_each_other():
     assert lumens.contact.at(at).energy == 0
 
 
-def test_filled_lumens_have_no_boundary():
+def test_lumens_share_nothing_with_outer_walls():
     tissue = small_tissue(1, 1)
     lumens = Lumens(tissue).surface
     assert lumens.body_of_loop.tolist() == [0]

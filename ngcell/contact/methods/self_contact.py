@@ -16,7 +16,6 @@ from ngcell.contact.methods.penalty import DEEP, PenaltyContact, PenaltySet, pen
 from ngcell.contact.methods.terms import COMPLEMENTARITY
 from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
 from ngcell.contact.pairing.lumens import Closing, LumenSearch, near_in_closing
-from ngcell.contact.pairing.near import Reach
 from ngcell.contact.surface.lumens import LumenSurface
 from ngcell.contact.surface.surface import SurfacePoints
 from ngcell.mechanics.report import Check, Scales

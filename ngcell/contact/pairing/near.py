@@ -51,9 +51,7 @@ def near_facets(walls: Surface, nodes: Array, reach: Reach) -> tuple[Index, Inde
     half = np.linalg.norm(nodes - middle[:, None], axis=2).max(1)
     one, two = near_pairs(middle, float(np.max(reach)) + 2 * float(half.max(initial=0.0)))
     distance = np.linalg.norm(middle[one] - middle[two], axis=1)
-    near = walls.may_touch(one, two) & (
-        distance < reach_between(walls, reach, one, two) + half[one] + half[two]
-    )
+    near = walls.may_touch(one, two) & (distance < reach_between(walls, reach, one, two) + half[one] + half[two])
     one, two = one[near], two[near]
     return np.concatenate([one, two]), np.concatenate([two, one])
 

@@ -57,9 +57,7 @@ class LumenSurface(EdgeSurface):
         middle, normal = self._at_rest
         away = middle[two] - middle[one]
         distance = np.linalg.norm(away, axis=1)
-        ahead = np.minimum(
-            np.einsum("pd,pd->p", normal[one], away), -np.einsum("pd,pd->p", normal[two], away)
-        )
+        ahead = np.minimum(np.einsum("pd,pd->p", normal[one], away), -np.einsum("pd,pd->p", normal[two], away))
         return np.asarray(same & ~is_near & ((ahead > -_BEHIND * distance) | (distance > _FAR * thickness)))
 
     def closing(self, nodes: Array, reach: float) -> NDArray[np.bool_]:
@@ -108,7 +106,7 @@ class LumenSurface(EdgeSurface):
     @cached_property
     def _length(self) -> Array:
         """Way around each lumen at rest [length], shape (loops,)."""
-        return np.bincount(self.body, self._lengths, len(self.body_of_loop))
+        return np.asarray(np.bincount(self.body, self._lengths, len(self.body_of_loop)), dtype=float)
 
     @cached_property
     def _start(self) -> Array:

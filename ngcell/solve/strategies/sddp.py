@@ -120,9 +120,7 @@ def _tied_minimum(task: Task, start: Array, proximal: ProximalTerm, load: float)
     return _minimum_of(task.closing, task, start, proximal, load)
 
 
-def _minimum_of(
-    tied: Sequence[Minimiser], task: Task, start: Array, proximal: ProximalTerm, load: float
-) -> Minimum:
+def _minimum_of(tied: Sequence[Minimiser], task: Task, start: Array, proximal: ProximalTerm, load: float) -> Minimum:
     """Return the minimum, stage by stage to the volume that is meant, then until conditions hold."""
     for minimiser in tied:
         minimiser.problem.apply(load)
