@@ -24,8 +24,8 @@ from ngcell.contact.methods.self_contact import SelfContact, self_contact_stages
 from ngcell.contact.methods.terms import CohesionTerm, ContactTerm
 from ngcell.contact.pairing.facing import find_facing
 from ngcell.contact.pairing.near import Reach
-from ngcell.contact.surface.find import find_surface
-from ngcell.contact.surface.lumens import LumenSurface, find_lumens
+from ngcell.contact.surface.find import find_lumen_surface, find_surface
+from ngcell.contact.surface.lumens import LumenSurface
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.symbolic import fused
 from ngcell.mechanics.term import Term
@@ -121,7 +121,7 @@ class Problems:
         """The lumens that may close: those that are empty, unless fluids keep them open."""
         if any(term.keeps_lumens_open for term in self._terms):
             return None
-        return find_lumens(self.bodies, self.space.scalar, self.space.rest)
+        return find_lumen_surface(self.bodies, self.space.scalar, self.space.rest)
 
     def _self_contact(self, count: int) -> list[SelfContact]:
         """Return contact of lumens with themselves in so many stages; none where no lumen may close."""

@@ -224,7 +224,7 @@ class FakeMotion:
 
 def tied_steps(fake: FakeMinimiser) -> Iterator[Accepted]:
     released = SimpleNamespace(longest_step=1.0, path=SimpleNamespace(scale=1.0))
-    problems = SimpleNamespace(tied=(fake,), released=released)
+    problems = SimpleNamespace(tied=(fake,), closing=(), released=released)
     return Sddp().follow(Task(problems, FakeMotion(), [0.5, 1.0], []), Progress())
 
 

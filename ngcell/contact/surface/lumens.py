@@ -153,8 +153,6 @@ def find_lumens(bodies: BodyMesh, scalar_space: ngsolve.H1, rest: Array) -> Lume
     Parameters are those of `ngcell.contact.surface.find.find_surface`.
     """
     mesh = bodies.mesh
-    if mesh.dim != 2:
-        return None
     is_wall = mesh.Boundaries(bodies.wall_names).Mask()
     inner = {element.mat for element in mesh.Elements(ngsolve.BND) if len(mesh[element.edges[0]].elements) > 1}
     names = {name for number, name in enumerate(mesh.GetBoundaries()) if not is_wall[number]} - inner
