@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from ngcell.mechanics.term import Term
     from ngcell.recording import Recording
     from ngcell.results.observables.rotation import Rotation
+    from ngcell.results.observables.self_contact_force import SelfContactForce
     from ngcell.results.quantities import View
     from ngcell.run import inspect, record, resume, simulate
     from ngcell.scene import (
@@ -111,6 +112,7 @@ _PLACES = {
     "ngcell.mechanics.term": ("Term",),
     "ngcell.recording": ("Recording",),
     "ngcell.results.observables.rotation": ("Rotation",),
+    "ngcell.results.observables.self_contact_force": ("SelfContactForce",),
     "ngcell.results.quantities": ("View",),
     "ngcell.run": ("inspect", "record", "resume", "simulate"),
     "ngcell.scene": (
@@ -177,6 +179,7 @@ __all__ = [
     "Ring",
     "Rotation",
     "Sddp",
+    "SelfContactForce",
     "SingleStep",
     "SolverOptions",
     "Step",

@@ -20,15 +20,17 @@ from ngcell.build.drift import check_nothing_drifts
 from ngcell.build.options import Options
 from ngcell.clock import Clock
 from ngcell.contact.cohesion.bonds import bond_walls
+from ngcell.contact.methods.self_contact import SelfContact, self_contact_stages
 from ngcell.contact.methods.terms import CohesionTerm, ContactTerm
 from ngcell.contact.pairing.facing import find_facing
 from ngcell.contact.pairing.near import Reach
-from ngcell.contact.surface.find import find_surface
+from ngcell.contact.surface.find import find_lumen_surface, find_surface
+from ngcell.contact.surface.lumens import LumenSurface
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.symbolic import fused
 from ngcell.mechanics.term import Term
 from ngcell.problem.problem import Problem
-from ngcell.problem.tie import tie_walls
+from ngcell.problem.tie import Tie, tie_walls
 from ngcell.results.equilibrium import Setup
 from ngcell.results.overlap import deepest_overlap_of_bodies
 from ngcell.results.rupture.strength import wall_strength
@@ -116,6 +118,20 @@ class Problems:
         stages = self._case.contact.stages(self.walls, moduli, reach=self._reach, options=self.options.contact)
         return tuple(stage if isinstance(stage, Term) else ContactTerm(stage) for stage in stages)
 
+    @cached_property
+    def _lumens(self) -> LumenSurface | None:
+        """The lumens that may close: those that are empty, unless fluids keep them open."""
+        if any(term.keeps_lumens_open for term in self._terms):
+            return None
+        return find_lumen_surface(self.bodies, self.space.scalar, self.space.rest)
+
+    def _self_contact(self, count: int) -> list[SelfContact]:
+        """Return contact of lumens with themselves in so many stages; none where no lumen may close."""
+        if self._lumens is None:
+            return []
+        moduli = np.array([law.plane_strain_modulus for law in self.discretisation.walls])
+        return self_contact_stages(self._lumens, moduli, count, self.options.contact)
+
     @property
     def contact(self) -> Term:
         """Contact as it is meant."""
@@ -138,17 +154,32 @@ class Problems:
         return 0.0 if isinstance(self._case, Case) else self._reach
 
     @cached_property
+    def _tie(self) -> Tie:
+        return tie_walls(self.walls, self.space.size)
+
+    def _tied_problems(self, contact: Sequence[Term]) -> tuple[Problem, ...]:
+        stages = [(*terms, *contact) for terms in self._volume_stages]
+        return tuple(Problem(self.space, terms, self.motion.fixed, tie=self._tie) for terms in stages)
+
+    @cached_property
     def tied_problems(self) -> tuple[Problem, ...]:
-        """The tissue as one tied solid, stage by stage."""
-        tie = tie_walls(self.walls, self.space.size)
-        return tuple(Problem(self.space, terms, self.motion.fixed, tie=tie) for terms in self._volume_stages)
+        """The tissue as one tied solid, stage by stage, without contact."""
+        return self._tied_problems(())
+
+    @cached_property
+    def closing_problems(self) -> tuple[Problem, ...]:
+        """The tied solid whose lumens touch themselves, stage by stage."""
+        return self._tied_problems(self._self_contact(1))
 
     @cached_property
     def released_problems(self) -> tuple[Problem, ...]:
         """The tissue with its walls in unilateral contact, stage by stage."""
         *softer, meant = self._volume_stages
-        stages = [(*terms, self._contact_stages[0]) for terms in softer]
-        stages += [(*meant, contact) for contact in self._contact_stages]
+        count = len(self._contact_stages)
+        within: list[tuple[Term, ...]] = [(stage,) for stage in self._self_contact(count)] or [()] * count
+        contacts = [(stage, *mine) for stage, mine in zip(self._contact_stages, within, strict=True)]
+        stages = [(*terms, *contacts[0]) for terms in softer]
+        stages += [(*meant, *contact) for contact in contacts]
         return tuple(Problem(self.space, (*terms, *self.cohesion), self.motion.fixed) for terms in stages)
 
     @property
@@ -158,8 +189,15 @@ class Problems:
 
     @property
     def tied(self) -> tuple[Minimiser, ...]:
-        """Minimisers of the tied solid."""
+        """Minimisers of the tied solid without contact."""
         return tuple(self._minimiser(problem, np.inf) for problem in self.tied_problems)
+
+    @property
+    def closing(self) -> tuple[Minimiser, ...]:
+        """Minimisers of the tied solid whose lumens touch themselves; none where no lumen can."""
+        if self._lumens is None:
+            return ()
+        return tuple(self._minimiser(problem, self.longest_step) for problem in self.closing_problems)
 
     @property
     def released(self) -> Released:
@@ -206,7 +244,7 @@ class Problems:
 
     def problem_of(self, phase: str) -> Problem:
         """Return the problem that steps of a phase solve."""
-        return self.tied_problems[-1] if phase == "tied" else self.problem
+        return self.closing_problems[-1] if phase == "tied" else self.problem
 
     def renew_budget(self) -> None:
         """Give the minimisers of this mesh all of their work."""

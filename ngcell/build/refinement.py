@@ -26,7 +26,7 @@ from ngcell.results.error import Errors, Numbers, Refining, estimate
 from ngcell.solve.effort import OutOfIterations
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.proximal import ProximalTerm
-from ngcell.solve.refined import settled, stable
+from ngcell.solve.refined import has_contact, settled, stable
 from ngcell.solve.released import Released
 from ngcell.solve.step import Accepted, spent
 
@@ -48,6 +48,10 @@ class Meshed(Protocol):
     @property
     def tied(self) -> tuple[Minimiser, ...]:
         """Minimisers of the tied solid."""
+
+    @property
+    def closing(self) -> tuple[Minimiser, ...]:
+        """Minimisers of the tied solid whose lumens touch themselves; none where no lumen can."""
 
     @property
     def released(self) -> Released:
@@ -210,6 +214,17 @@ class _Level(Generic[Scene]):
     def _tied(self) -> tuple[Minimiser, ...]:
         return self.simulation.tied
 
+    @cached_property
+    def _closing(self) -> tuple[Minimiser, ...]:
+        return self.simulation.closing
+
+    def _tied_at(self, displacement: Array, load: float) -> Minimiser:
+        """Return the minimiser of the tied solid: with contact where a body touches itself."""
+        if not has_contact(self._closing, displacement, load):
+            return self._tied[-1]
+        self._closing[-1].problem.reset()
+        return self._closing[-1]
+
     def settled(self, coarse: Refined[Scene]) -> Refined[Scene] | None:
         """Return a step on this mesh that was found on the one before; None where it finds no equilibrium."""
         mine, accepted = self.simulation, coarse.accepted
@@ -223,7 +238,7 @@ class _Level(Generic[Scene]):
         proximal = accepted.minimum.proximal
         start = mine.motion.imposed(taken(accepted.minimum.state.displacement), load)
         held = ProximalTerm(proximal.weight, taken(proximal.centre) if proximal.weight else start)
-        for minimisers in [self._tied[-1:]] if is_tied else self._attempts():
+        for minimisers in [(self._tied_at(start, load),)] if is_tied else self._attempts():
             effort = spent(minimisers)
             self._prepare(minimisers, before, accepted, start)
             try:
@@ -263,8 +278,10 @@ class _Level(Generic[Scene]):
 
     def stable(self, found: Refined[Scene]) -> Refined[Scene]:
         """Return a step with its lowest curvature, below a saddle if it rests on one; errors of that are not known."""
-        minimiser = (self._tied if found.accepted.phase == "tied" else self._released.minimisers)[-1]
-        effort, minimum, path = spent((minimiser,)), found.accepted.minimum, self._released.path
+        minimum, path = found.accepted.minimum, self._released.path
+        is_tied, load = found.accepted.phase == "tied", found.accepted.load_factor
+        minimiser = self._tied_at(minimum.state.displacement, load) if is_tied else self._released.minimisers[-1]
+        effort = spent((minimiser,))
         length, options = self._released.longest_step, self.simulation.options.solver
         self.simulation.renew_budget()
         try:

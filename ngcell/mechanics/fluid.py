@@ -106,6 +106,11 @@ class LumenFluids(Term):
         return 1.0 if self._in_full else load_factor
 
     @property
+    def keeps_lumens_open(self) -> bool:
+        """A lumen keeps the area that its fluid has."""
+        return True
+
+    @property
     def needed(self) -> Array:
         """Area of each fluid [length**dimension], shape (lumens,)."""
         return np.asarray((1 + self._share * (self._fill - 1)) * self.area)

@@ -188,6 +188,11 @@ class Term(ABC):
         """Return the term with bulk moduli of at most `ratio` times the shear moduli, for a continuation in these."""
         return self
 
+    @property
+    def keeps_lumens_open(self) -> bool:
+        """Whether no lumen can close, for what it holds."""
+        return False
+
     def apply(self, load_factor: float) -> None:
         """Act as at this load factor from now on."""
 

@@ -18,8 +18,9 @@ import shapely
 from numpy.typing import NDArray
 
 from ngcell.contact.surface.edges import EdgeSurface
+from ngcell.contact.surface.loops import signed_area
 from ngcell.mechanics.space import DisplacementSpace
-from ngcell.results.outlines import all_boundaries, outlines, signed_area
+from ngcell.results.outlines import all_boundaries, outlines
 
 Array = NDArray[np.float64]
 
@@ -78,9 +79,7 @@ def _winding(points: Array, line: Array) -> Array:
     return np.asarray(up.sum(1) - down.sum(1), dtype=float)
 
 
-def depth_in_others(
-    space: DisplacementSpace, walls: EdgeSurface, positions: Array, unit: Array | None = None
-) -> float:
+def depth_in_others(space: DisplacementSpace, walls: EdgeSurface, positions: Array, unit: Array | None = None) -> float:
     """Return the largest depth, >= 0, of a part that two bodies share, in the plane; over the smaller `unit` of both,
     shape (bodies,), where lengths of bodies are given.
 

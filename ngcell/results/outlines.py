@@ -12,6 +12,7 @@ import shapely
 from numpy.typing import NDArray
 
 from ngcell.contact.surface.edges import EdgeSurface, find_edges
+from ngcell.contact.surface.loops import anticlockwise, closed_loops, signed_area
 from ngcell.mechanics.space import DisplacementSpace
 
 Array = NDArray[np.float64]
@@ -39,10 +40,10 @@ class Outlines:
 
     def __init__(self, walls: EdgeSurface) -> None:
         self._basis, self._side = walls.basis, walls.side
-        corners = _anticlockwise(walls.side, walls.rest)[:, 0]
+        corners = anticlockwise(walls.side, walls.rest)[:, 0]
         self.shells: dict[int, Index] = {}
         self.holes: dict[int, list[Index]] = defaultdict(list)
-        for loop in _closed_loops(walls):
+        for loop in closed_loops(walls):
             body = int(walls.body[loop[0]])
             if signed_area(corners[loop]) > 0:
                 self.shells[body] = loop
@@ -58,7 +59,7 @@ class Outlines:
             Deformed positions of the Lagrange nodes of the edges [length].
         """
         values = self._basis.values(np.linspace(0, 1, chords(self._basis.order) + 1)[:-1])
-        lines = values @ _anticlockwise(self._side, nodes)
+        lines = values @ anticlockwise(self._side, nodes)
         return {
             body: [lines[loop].reshape(-1, 2) for loop in (shell, *self.holes[body])]
             for body, shell in self.shells.items()
@@ -98,36 +99,3 @@ _boundaries: WeakKeyDictionary[DisplacementSpace, EdgeSurface] = WeakKeyDictiona
 def chords(order: int) -> int:
     """Return the number of straight pieces that stand for an edge of an order."""
     return 1 if order == 1 else _CHORDS
-
-
-def _closed_loops(walls: EdgeSurface) -> list[Index]:
-    following = _following(walls).tolist()
-    unseen = dict.fromkeys(range(walls.facet_count))
-    loops = []
-    while unseen:
-        chain = [unseen.popitem()[0]]
-        while following[chain[-1]] in unseen:
-            chain.append(following[chain[-1]])
-            del unseen[chain[-1]]
-        if following[chain[-1]] == chain[0]:
-            loops.append(np.array(chain))
-    return loops
-
-
-def _following(walls: EdgeSurface) -> Index:
-    """Return the edge that starts where each edge ends, with its body on the left, or -1; shape (edges,)."""
-    start, end = np.where(walls.side[:, None] > 0, walls.vertices, walls.vertices[:, ::-1]).T
-    starting = np.full(walls.dofs.max(initial=-1) + 1, -1)
-    starting[start] = np.arange(walls.facet_count)
-    return np.asarray(starting[end])
-
-
-def _anticlockwise(side: Array, nodes: Array) -> Array:
-    """Return the nodes of each edge in the order that has its body on the left."""
-    return np.where(side[:, None, None] > 0, nodes, nodes[:, ::-1])
-
-
-def signed_area(corners: Array) -> float:
-    """Return the area within a closed line, > 0 where it runs anticlockwise, shape of corners (corners, 2)."""
-    following = np.roll(corners, -1, axis=0)
-    return float(np.sum(corners[:, 0] * following[:, 1] - corners[:, 1] * following[:, 0])) / 2

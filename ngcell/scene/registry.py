@@ -136,7 +136,10 @@ _SHIPPED = {
         protocol="ngcell.solve.strategies.strategy:Strategy",
     ),
     "observable": Group(
-        {"rotation": "ngcell.results.observables.rotation:Rotation"},
+        {
+            "rotation": "ngcell.results.observables.rotation:Rotation",
+            "self-contact-force": "ngcell.results.observables.self_contact_force:SelfContactForce",
+        },
         protocol="ngcell.results.observables.observable:Observable",
     ),
     "contact": Group(

@@ -64,3 +64,13 @@ def stable(
         return until_conditions_hold(minimiser, below, length, options.continuation)
 
     return stable_minimum(minimiser, minimum, until_met, options.stability, scale=scale, length=length)
+
+
+def has_contact(minimisers: Sequence[Minimiser], displacement: Array, load: float) -> bool:
+    """Return whether constraints of the last problem are violated at a displacement; no problem has none."""
+    if not minimisers:
+        return False
+    problem = minimisers[-1].problem
+    problem.apply(load)
+    _, gaps = problem.gaps(problem.at(displacement))
+    return bool((gaps < 0).any())

@@ -44,6 +44,7 @@ BODIES = [
 TISSUES = [
     "bend-filled-3d",
     "bend-layers-3d",
+    "crush-3x3",
     "frame-shear",
     "shear-empty",
     "shear-empty-3d",

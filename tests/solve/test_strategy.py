@@ -48,7 +48,7 @@ def by_sddp(tissue: SmallTissue, path: Continuation = PATH, *, steps: int = 1) -
 
 
 def task_of(tissue: SmallTissue, path: Continuation = PATH, *, steps: list[float], levels: list[float]) -> Task:
-    problems = SimpleNamespace(tied=(tissue.minimiser(tissue.tied),), released=released(tissue, path))
+    problems = SimpleNamespace(tied=(tissue.minimiser(tissue.tied),), closing=(), released=released(tissue, path))
     return Task(problems, tissue.motion, steps, levels)
 
 
@@ -224,7 +224,7 @@ class FakeMotion:
 
 def tied_steps(fake: FakeMinimiser) -> Iterator[Accepted]:
     released = SimpleNamespace(longest_step=1.0, path=SimpleNamespace(scale=1.0))
-    problems = SimpleNamespace(tied=(fake,), released=released)
+    problems = SimpleNamespace(tied=(fake,), closing=(), released=released)
     return Sddp().follow(Task(problems, FakeMotion(), [0.5, 1.0], []), Progress())
 
 

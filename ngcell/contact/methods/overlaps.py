@@ -55,7 +55,7 @@ class Overlaps:
     def groups(self, body_count: int) -> list[Mask]:
         """Return the members of each group of bodies that overlap, directly or by way of others, shape (bodies,)."""
         label = components(body_count, *self.bodies.T)
-        return [label == number for number in np.flatnonzero(np.bincount(label) > 1)]
+        return [label == number for number in np.unique(label[self.bodies])]
 
 
 def overlaps(walls: Surface, pairs: ContactPairs, gaps: Array, force: Array | None = None) -> Overlaps:

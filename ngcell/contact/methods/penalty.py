@@ -128,8 +128,12 @@ class PenaltyContact:
         self.walls, self._options = walls, options
         self._derived, self.reach = stiffness, reach
         self._may_stiffen, self._stiffens = may_stiffen, False
-        self._usual = PairSearch(walls, walls.quadrature, reach)
+        self._usual = self.searching(walls.quadrature)
         self._take_back()
+
+    def searching(self, points: SurfacePoints) -> PairSearch:
+        """Return the search for contact pairs of points."""
+        return PairSearch(self.walls, points, self.reach)
 
     def _take_back(self) -> None:
         """Let all bodies have the stiffness that was derived, and the usual rule."""
@@ -141,7 +145,7 @@ class PenaltyContact:
     def _finer(self) -> PairSearch | None:
         """The search by the finer rule, if there is one; made when penalty terms that adapt first overlap."""
         points = self.walls.halved()
-        return None if points is None else PairSearch(self.walls, points, self.reach)
+        return None if points is None else self.searching(points)
 
     @property
     def stiffness(self) -> Array:
@@ -169,15 +173,20 @@ class PenaltyContact:
     def pressures(self, positions: Array, points: SurfacePoints) -> Array:
         """Return the contact pressure at points of the walls [stress]: penalty stiffness times overlap, half of it from
         each pass."""
-        pairs = PairSearch(self.walls, points, self.reach).pairs(self.walls.nodes(positions))
+        pairs = self.searching(points).pairs(self.walls.nodes(positions))
         gaps = gap_kinematics(self.walls, pairs, positions).gaps(positions)
         pressure = -self._pairwise(pairs) * np.minimum(gaps, 0)
         return np.bincount(pairs.point, pressure, len(points.facet)).astype(float)
 
     def follow(self, other: ContactMethod, positions: Array) -> None:
         """Take back what was raised; from now on penalty terms adapt, unless they go on from themselves."""
-        self._take_back()
+        self.restart()
         self._stiffens = self._may_stiffen and other is not self
+
+    def restart(self) -> None:
+        """Take back what was raised; from now on penalty terms adapt."""
+        self._take_back()
+        self._stiffens = self._may_stiffen
 
     def update_multipliers(self, contact: ContactSet, positions: Array, stored: StoredEnergy) -> tuple[float, float]:
         """Stiffen the penalty terms that are too soft, and return the deepest overlap of these, else zeros."""
@@ -225,7 +234,7 @@ class PenaltyContact:
         finer = self.walls.halved()
         assert finer is not None
         is_refined = self._is_refined[self.walls.body]
-        return PairSearch(self.walls, chosen_points(finer, self.walls.quadrature, is_refined), self.reach)
+        return self.searching(chosen_points(finer, self.walls.quadrature, is_refined))
 
     def increase_penalty(self) -> None:
         """Do nothing: penalty terms are stiffened as fast as they can be."""

@@ -1,4 +1,4 @@
-"""Facets of different bodies that are near each other: all that contact has to look at."""
+"""Facets that may touch and are near each other: all that contact has to look at."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def reach_between(walls: Surface, reach: Reach, one: Index, two: Index) -> Array
 
 
 class NearFacets:
-    """Ordered pairs of facets of different bodies within reach, kept while nothing has moved far.
+    """Ordered pairs of facets that may touch within reach, kept while nothing has moved far.
 
     Parameters
     ----------
@@ -46,14 +46,12 @@ class NearFacets:
 
 
 def near_facets(walls: Surface, nodes: Array, reach: Reach) -> tuple[Index, Index]:
-    """Return all ordered pairs of facets of different bodies that are nearer than `reach` [length]."""
+    """Return all ordered pairs of facets that may touch and are nearer than `reach` [length]."""
     middle = walls.middles(nodes)
     half = np.linalg.norm(nodes - middle[:, None], axis=2).max(1)
     one, two = near_pairs(middle, float(np.max(reach)) + 2 * float(half.max(initial=0.0)))
     distance = np.linalg.norm(middle[one] - middle[two], axis=1)
-    near = (walls.body[one] != walls.body[two]) & (
-        distance < reach_between(walls, reach, one, two) + half[one] + half[two]
-    )
+    near = walls.may_touch(one, two) & (distance < reach_between(walls, reach, one, two) + half[one] + half[two])
     one, two = one[near], two[near]
     return np.concatenate([one, two]), np.concatenate([two, one])
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from ngcell.contact.surface.edges import find_edges
 from ngcell.contact.surface.facets import find_facets
+from ngcell.contact.surface.lumens import LumenSurface, find_lumens
 from ngcell.contact.surface.surface import Surface
 from ngcell.geometry.bodies import BodyMesh
 
@@ -29,5 +30,19 @@ def find_surface(bodies: BodyMesh, scalar_space: ngsolve.H1, rest: NDArray[np.fl
     GeometryError
         If walls are of triangles and of quadrilaterals.
     """
-    find = find_edges if bodies.dimension == 2 else find_facets
+    find = find_edges if _is_planar(bodies) else find_facets
     return find(bodies, scalar_space, rest)
+
+
+def find_lumen_surface(
+    bodies: BodyMesh, scalar_space: ngsolve.H1, rest: NDArray[np.float64]
+) -> LumenSurface | None:
+    """Collect the boundaries of empty lumens; None where there are none, and in three dimensions.
+
+    Parameters are those of `find_surface`.
+    """
+    return find_lumens(bodies, scalar_space, rest) if _is_planar(bodies) else None
+
+
+def _is_planar(bodies: BodyMesh) -> bool:
+    return bodies.dimension == 2

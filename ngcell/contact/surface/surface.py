@@ -141,6 +141,10 @@ class Surface(ABC):
     def halved(self) -> SurfacePoints | None:
         """Return the quadrature points of the rule that takes each half of a facet as a facet, if there is one."""
 
+    def may_touch(self, one: Index, two: Index) -> NDArray[np.bool_]:
+        """Return whether contact acts between facets of each pair, both (pairs,): between those of different bodies."""
+        return np.asarray(self.body[one] != self.body[two])
+
     @property
     def facet_count(self) -> int:
         """Number of facets."""

@@ -1,6 +1,7 @@
 """SDDP, the successive deformation decomposition procedure.
 
-At each level the tissue first deforms as one tied solid, then its walls are released from that state. Tied states
+At each level the tissue first deforms as one tied solid, then its walls are released from that state. The tied solid
+knows no contact until a body touches itself, as where lumens close. Tied states
 follow each other; every release starts from its own tied state, so a level does not depend on the levels before it. The
 centre of the continuation is the lifting of the load, as for all strategies, and the tied state where the load has
 none: which released equilibrium is found depends on the load, and the energy of the tied state bounds its energy.
@@ -23,10 +24,11 @@ from pydantic import BaseModel
 
 from ngcell.scene.section import SECTION, PositiveCount
 from ngcell.solve.continuation import until_conditions_hold
+from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Minimum
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.proximal import ProximalTerm
-from ngcell.solve.refined import stable
+from ngcell.solve.refined import has_contact, stable
 from ngcell.solve.released import Released
 from ngcell.solve.step import MOST_HALVINGS, Accepted, Account, StepFailed, next_goal, spent
 from ngcell.solve.strategies.strategy import Progress, Task
@@ -91,7 +93,8 @@ def _schedule(steps: Sequence[float], levels: Sequence[float]) -> Iterator[tuple
 def _tied_step(task: Task, displacement: Array, load: float, target: float) -> Accepted:
     """Return the tied state at a load factor, from that at another; a step that fails is halved."""
     tied, motion = task.tied, task.motion
-    before, reached, increment, halvings = spent(tied), load, target - load, 0
+    both = (*tied, *task.closing)
+    before, reached, increment, halvings = spent(both), load, target - load, 0
     while True:
         goal = next_goal(reached, increment, target)
         start = displacement + motion.lifting(goal) - motion.lifting(reached)
@@ -99,7 +102,7 @@ def _tied_step(task: Task, displacement: Array, load: float, target: float) -> A
         if minimum.is_found:
             displacement, reached = minimum.state.displacement, goal
             if reached == target:
-                return Accepted("tied", target, minimum, spent(tied) - before)
+                return Accepted("tied", target, minimum, spent(both) - before)
             continue
         increment, halvings = increment / 2, halvings + 1
         tied[-1].effort.cutbacks += 1
@@ -108,13 +111,23 @@ def _tied_step(task: Task, displacement: Array, load: float, target: float) -> A
 
 
 def _tied_minimum(task: Task, start: Array, proximal: ProximalTerm, load: float) -> Minimum:
-    """Return the minimum of the tied solid: stage by stage to the volume that is meant, then until conditions hold."""
-    for minimiser in task.tied:
+    """Return the minimum of the tied solid, without contact where no body touches itself there."""
+    if not has_contact(task.closing, start, load):
+        minimum = _minimum_of(task.tied, task, start, proximal, load)
+        if not minimum.is_found or not has_contact(task.closing, minimum.state.displacement, load):
+            return minimum
+    task.closing[-1].problem.reset()
+    return _minimum_of(task.closing, task, start, proximal, load)
+
+
+def _minimum_of(tied: Sequence[Minimiser], task: Task, start: Array, proximal: ProximalTerm, load: float) -> Minimum:
+    """Return the minimum, stage by stage to the volume that is meant, then until conditions hold."""
+    for minimiser in tied:
         minimiser.problem.apply(load)
         minimum = minimiser.minimise(start, proximal)
         if not minimum.is_found:
             return minimum
         start = minimum.state.displacement
-    last, length, scale = task.tied[-1], task.released.longest_step, task.released.path.scale
+    last, length, scale = tied[-1], task.released.longest_step, task.released.path.scale
     met = until_conditions_hold(last, minimum, length, task.options.continuation)
     return stable(last, met, scale=scale, length=length, options=task.options)

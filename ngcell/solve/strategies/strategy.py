@@ -30,6 +30,10 @@ class Problems(Protocol):
         """The tied solid, from the softest volume to the one that is meant."""
 
     @property
+    def closing(self) -> tuple[Minimiser, ...]:
+        """The tied solid with contact within bodies; none where there is no such contact."""
+
+    @property
     def released(self) -> Released:
         """The released walls."""
 
@@ -60,6 +64,11 @@ class Task:
     def tied(self) -> tuple[Minimiser, ...]:
         """The tied solid."""
         return self.problems.tied
+
+    @cached_property
+    def closing(self) -> tuple[Minimiser, ...]:
+        """The tied solid with contact within bodies; none where there is no such contact."""
+        return self.problems.closing
 
     @cached_property
     def released(self) -> Released:

@@ -1,0 +1,76 @@
+"""Which parts of a lumen are near each other.
+
+A point looks for the nearest point of its own lumen, on edges that it may touch. Where these end, next to edges that it
+may not touch, the nearest point is an end of what was looked at and no contact; it is left out. As long as a lumen is
+open, nothing is looked for in it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ngcell.contact.pairing.near import Reach, near_facets
+from ngcell.contact.pairing.pairs import ContactPairs
+from ngcell.contact.pairing.search import PairSearch
+from ngcell.contact.surface.lumens import LumenSurface
+from ngcell.contact.surface.surface import SurfacePoints
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+#: Distances change by up to this much where coordinates of two points change by half of 1 each.
+_DIAGONAL = np.sqrt(2.0)
+#: Coordinate up to which a point is the end of its edge: round-off of the projection, no more.
+_END = 1e-9
+
+
+class Closing:
+    """Tells which lumens close, and looks again only where something has moved.
+
+    Parameters
+    ----------
+    lumens : LumenSurface
+        The lumens.
+    """
+
+    def __init__(self, lumens: LumenSurface) -> None:
+        self._lumens = lumens
+        self._margin = float(lumens.thickness.min())
+        self._open_at: Array | None = None
+
+    def lumens(self, nodes: Array) -> NDArray[np.bool_]:
+        """Return which lumens close, shape (loops,), at deformed nodes (edges, nodes, 2)."""
+        if self._open_at is not None and np.abs(nodes - self._open_at).max() <= self._margin / 2:
+            return np.zeros(len(self._lumens.body_of_loop), dtype=bool)
+        self._open_at = None
+        if not self._lumens.closing(nodes, _DIAGONAL * self._margin).any():
+            self._open_at = nodes
+        return self._lumens.closing(nodes, 0.0)
+
+
+class LumenSearch(PairSearch):
+    """The search for closest points of the same lumen; parameters as for `PairSearch`, and what tells which close."""
+
+    def __init__(self, walls: LumenSurface, points: SurfacePoints, reach: Reach, closing: Closing) -> None:
+        super().__init__(walls, points, reach)
+        self._lumens, self._closing = walls, closing
+
+    def pairs(self, nodes: Array) -> ContactPairs:
+        """Return all contact pairs of a deformed state."""
+        pairs, lumens = super().pairs(nodes), self._lumens
+        xi = pairs.secondary_xi
+        beside = lumens.neighbours[pairs.secondary, (xi >= 0.5).astype(int)]
+        is_end = (np.minimum(xi, 1 - xi) < _END) & ~lumens.may_touch(pairs.primary, beside)
+        return pairs.chosen(self._closing.lumens(nodes)[lumens.body[pairs.primary]] & ~is_end)
+
+
+def near_in_closing(lumens: LumenSurface, nodes: Array, reach: Reach, margin: float) -> tuple[Index, Index]:
+    """Return ordered pairs of edges nearer than reach and margin [length], in lumens that may close within the margin.
+    """
+    closes = lumens.closing(nodes, _DIAGONAL * margin)
+    if not closes.any():
+        nothing = np.zeros(0, dtype=np.int64)
+        return nothing, nothing
+    one, two = near_facets(lumens, nodes, reach + margin)
+    return one[closes[lumens.body[one]]], two[closes[lumens.body[one]]]

@@ -1,0 +1,175 @@
+"""The boundaries of lumens in the plane, whose parts may touch each other when a cell collapses.
+
+A lumen is a closed loop of boundary edges around a hole that holds no other body. Which of its edges may touch is
+settled at rest. Edges along one smooth piece that are within a wall's thickness of each other never do: the wall
+between them would have to fold sharper than it is thick. Those on both sides of a corner do. Where the lumen is not
+convex, edges that do not see each other through it are the two sides of a ridge of the wall, and touch neither, unless
+they are so far apart that no wall could be squeezed that thin.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+
+import ngsolve
+import numpy as np
+from numpy.typing import NDArray
+
+from ngcell.contact.surface.edges import EdgeSurface, find_edges
+from ngcell.contact.surface.loops import anticlockwise, closed_loops, signed_area
+from ngcell.geometry.bodies import BodyMesh
+from ngcell.geometry.near import near_pairs
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+#: Angle [rad] by which a loop turns where it has a corner.
+_CORNER = np.radians(30)
+#: Sine of the angle by which an edge may lie behind another one that it sees.
+_BEHIND = 0.1
+#: Distance at rest, in thicknesses, from which on edges touch that do not see each other at rest.
+_FAR = 4.0
+#: Way along a lumen, in thicknesses and as a share of the whole way round, from which on two points that get near each
+#: other tell that it closes.
+_ALONG, _QUARTER = 6.0, 0.25
+#: Points of a lumen that are looked at for that are this far apart at most, in thicknesses.
+_SPACING = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class LumenSurface(EdgeSurface):
+    """The edges around lumens, loop by loop in order; what `Surface` says of bodies holds for loops here.
+
+    Attributes
+    ----------
+    body_of_loop : array of int, shape (loops,)
+        Body around each lumen.
+    """
+
+    body_of_loop: Index
+
+    def may_touch(self, one: Index, two: Index) -> NDArray[np.bool_]:
+        """Return whether contact acts between edges of each pair: between those of one loop; see the module."""
+        same = (self.body[one] == self.body[two]) & (one != two)
+        thickness = self.thickness[self.body[one]]
+        is_near = (self._piece[one] == self._piece[two]) & (self._way(one, two) < thickness)
+        middle, normal = self._at_rest
+        away = middle[two] - middle[one]
+        distance = np.linalg.norm(away, axis=1)
+        ahead = np.minimum(np.einsum("pd,pd->p", normal[one], away), -np.einsum("pd,pd->p", normal[two], away))
+        return np.asarray(same & ~is_near & ((ahead > -_BEHIND * distance) | (distance > _FAR * thickness)))
+
+    def closing(self, nodes: Array, reach: float) -> NDArray[np.bool_]:
+        """Return which lumens close: those whose walls are nearer than the thickness and `reach` [length] across.
+
+        `nodes` are deformed positions of shape (edges, nodes, 2); the result has shape (loops,).
+        """
+        share, places = self._samples
+        point = (self.basis.values(share) @ nodes).reshape(-1, 2)
+        one, two = near_pairs(point, float(self.thickness.max()) + reach)
+        loop = np.repeat(self.body, len(share))[one]
+        same = loop == np.repeat(self.body, len(share))[two]
+        one, two, loop = one[same], two[same], loop[same]
+        along = np.abs(places[one] - places[two])
+        along = np.minimum(along, self._length[loop] - along)
+        thickness = self.thickness[loop]
+        is_across = along >= np.minimum(_ALONG * thickness, _QUARTER * self._length[loop])
+        is_near = np.linalg.norm(point[one] - point[two], axis=1) < thickness + reach
+        return np.bincount(loop[is_across & is_near], minlength=len(self.body_of_loop)) > 0
+
+    @cached_property
+    def neighbours(self) -> Index:
+        """The edges that share the vertex at the start and at the end of each edge, shape (edges, 2)."""
+        before, after = self._turned(-1), self._turned(1)
+        is_forward = self.side > 0
+        return np.column_stack([np.where(is_forward, before, after), np.where(is_forward, after, before)])
+
+    @cached_property
+    def _at_rest(self) -> tuple[Array, Array]:
+        """Middles [length] and outward normals of the edges at rest, both (edges, 2)."""
+        return self.middles(self.rest), self.chord_normals(self.rest)
+
+    def _turned(self, by: int) -> Index:
+        """Return the edge that follows each edge in its loop, or that it follows."""
+        found = np.arange(self.facet_count)
+        for loop in range(len(self.body_of_loop)):
+            mine = np.flatnonzero(self.body == loop)
+            found[mine] = np.roll(mine, -by)
+        return found
+
+    @cached_property
+    def _lengths(self) -> Array:
+        """Lengths of the edges at rest [length]."""
+        return np.asarray(self.weights.sum(1))
+
+    @cached_property
+    def _length(self) -> Array:
+        """Way around each lumen at rest [length], shape (loops,)."""
+        return np.asarray(np.bincount(self.body, self._lengths, len(self.body_of_loop)), dtype=float)
+
+    @cached_property
+    def _start(self) -> Array:
+        """Way along the loop to where each edge begins [length]."""
+        ends = np.cumsum(self._lengths)
+        before = np.concatenate([[0.0], np.cumsum(self._length)])[self.body]
+        return np.asarray(ends - self._lengths - before)
+
+    @cached_property
+    def _has_corner_before(self) -> NDArray[np.bool_]:
+        """Whether the loop has a corner where each edge begins."""
+        angle = np.abs(self.exterior_angle)
+        return np.asarray(np.where(self.side > 0, angle[:, 0], angle[:, 1]) > _CORNER)
+
+    @cached_property
+    def _piece(self) -> Index:
+        """Smooth piece of a loop that each edge belongs to."""
+        piece = np.cumsum(self._has_corner_before | (np.diff(self.body, prepend=-1) > 0))
+        for loop in range(len(self.body_of_loop)):
+            mine = np.flatnonzero(self.body == loop)
+            if not self._has_corner_before[mine[0]]:
+                piece[mine] = np.where(piece[mine] == piece[mine[-1]], piece[mine[0]], piece[mine])
+        return np.asarray(piece)
+
+    def _way(self, one: Index, two: Index) -> Array:
+        """Return the shorter way along the loop between edges of each pair [length]."""
+        first, last = np.minimum(one, two), np.maximum(one, two)
+        between = self._start[last] - self._start[first] - self._lengths[first]
+        around = self._length[self.body[one]] - between - self._lengths[first] - self._lengths[last]
+        return np.asarray(np.minimum(between, around))
+
+    @cached_property
+    def _samples(self) -> tuple[Array, Array]:
+        """Coordinates of points on each edge, and the way along the loop to all of them [length]."""
+        count = int(np.ceil((self._lengths / (_SPACING * self.thickness[self.body])).max()))
+        share = (np.arange(count) + 0.5) / count
+        along = np.where(self.side[:, None] > 0, share, 1 - share)
+        return share, (self._start[:, None] + along * self._lengths[:, None]).ravel()
+
+
+def find_lumens(bodies: BodyMesh, scalar_space: ngsolve.H1, rest: Array) -> LumenSurface | None:
+    """Collect the boundaries of empty lumens in the plane; None where there are none.
+
+    Parameters are those of `ngcell.contact.surface.find.find_surface`.
+    """
+    mesh = bodies.mesh
+    is_wall = mesh.Boundaries(bodies.wall_names).Mask()
+    inner = {element.mat for element in mesh.Elements(ngsolve.BND) if len(mesh[element.edges[0]].elements) > 1}
+    names = {name for number, name in enumerate(mesh.GetBoundaries()) if not is_wall[number]} - inner
+    if not names:
+        return None
+    found = find_edges(replace(bodies, wall_names="|".join(sorted(names))), scalar_space, rest)
+    corners = anticlockwise(found.side, found.rest)[:, 0]
+    loops = [loop for loop in closed_loops(found) if signed_area(corners[loop]) < 0]
+    return _surface(found, loops) if loops else None
+
+
+def _surface(found: EdgeSurface, loops: list[Index]) -> LumenSurface:
+    chosen = np.concatenate(loops)
+    body_of_loop = found.body[[loop[0] for loop in loops]]
+    per_edge = ("dofs", "nodal", "side", "weights", "depth", "rest")
+    values = {each.name: getattr(found, each.name) for each in fields(found)}
+    values |= {name: values[name][chosen] for name in per_edge}
+    values["body"] = np.repeat(np.arange(len(loops)), [len(loop) for loop in loops])
+    values["thickness"] = found.thickness[body_of_loop]
+    return LumenSurface(**values, body_of_loop=body_of_loop)

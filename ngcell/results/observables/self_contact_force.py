@@ -1,0 +1,35 @@
+"""How hard cells press on themselves."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel
+
+from ngcell.contact.methods.self_contact import SelfContact
+from ngcell.results.quantities import View
+from ngcell.scene.section import SECTION
+
+
+class SelfContactForce(BaseModel):
+    """Sum of the magnitudes of the contact forces within each lumen that has closed, for each cell [stress * length].
+
+    Forces between cells are no part of it.
+    """
+
+    model_config = SECTION
+
+    kind: Literal["self-contact-force"] = "self-contact-force"
+
+    @property
+    def name(self) -> str:
+        """Name of the column and of the field."""
+        return "self_contact_force"
+
+    def values(self, view: View) -> NDArray[np.float64]:
+        """Return the force in each body, shape (bodies,)."""
+        count = view.problem.space.body_count
+        found = [term for term in view.problem.terms if isinstance(term, SelfContact)]
+        return sum((term.force_in_bodies(view.state.at, count) for term in found), np.zeros(count))

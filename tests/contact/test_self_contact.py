@@ -1,0 +1,203 @@
+"""A lumen that closes touches itself: energies and derivatives, what is left out, and a cell pressed flat."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from ngcell.contact.methods.self_contact import SelfContact, self_contact_stages
+from ngcell.contact.surface.lumens import LumenSurface, find_lumens
+from ngcell.mechanics.term import OneSided, Role, Term
+from ngcell.problem.problem import Problem
+from ngcell.solve.proximal import ProximalTerm
+from tests.tissues import LAW, SmallTissue, dense_stiffness, small_tissue
+
+WALL = 0.2
+
+
+def cell(*, order: int = 2, edges: int = 3, cells: int = 1) -> SmallTissue:
+    """Hollow cells with level upper and lower walls, of which those of the first are held and moved."""
+    sides = np.zeros((cells, 6), dtype=bool)
+    supports = {}
+    for name, sign in (("low", -1), ("high", 1)):
+        supports[name] = sides.copy()
+        supports[name][0, _level_side(sign)] = True
+    return small_tissue(
+        1, cells, order=order, edges=edges, wall=WALL, pointy=False, supports=supports,
+        prescribed_displacement=(0.0, -1.0),
+    )  # fmt: skip
+
+
+def _level_side(sign: int) -> int:
+    """The side of a hexagon whose middle lies straight below or above its centre."""
+    corners = small_tissue(1, 1, pointy=False).lattice.outlines.corners[:6]
+    middle = (corners + np.roll(corners, -1, axis=0)) / 2 - corners.mean(0)
+    return int(np.argmax(sign * middle[:, 1]))
+
+
+class Lumens:
+    """The lumens of a tissue, and what keeps them from passing through themselves."""
+
+    def __init__(self, tissue: SmallTissue) -> None:
+        self.tissue = tissue
+        found = find_lumens(tissue.bodies, tissue.space.scalar, tissue.space.rest)
+        assert found is not None
+        self.surface: LumenSurface = found
+
+    @cached_property
+    def term(self) -> SelfContact:
+        modulus = np.full(self.tissue.bodies.body_count, LAW.plane_strain_modulus)
+        (term,) = self_contact_stages(self.surface, modulus, 1)
+        return term
+
+    @cached_property
+    def contact(self) -> Problem:
+        """Contact within cells alone: bodies may be bent into anything."""
+        return Problem(self.tissue.space, [self.term], self.tissue.motion.fixed)
+
+
+def pressed(tissue: SmallTissue, by: float, wave: float = 0.03, seed: int = 3) -> np.ndarray:
+    """A cell whose upper half comes down and whose lower half goes up, with bends."""
+    x, y = tissue.space.rest * (tissue.space.one > 0)
+    moved = tissue.smooth(wave, seed).reshape(2, -1)
+    moved[1] -= by * np.tanh(8 * y) * tissue.space.one
+    return moved.ravel()
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_forces_and_tangent_are_derivatives_of_one_energy(order):
+    tissue = cell(order=order)
+    problem, at = Lumens(tissue).contact, pressed(tissue, 0.68)
+    state, way = problem.at(at), tissue.smooth(1.0, 8)
+    step = 1e-7
+    after, before = problem.at(at + step * way), problem.at(at - step * way)
+    force = problem.gradient(state)
+    assert state.energy > 0
+    assert (after.energy - before.energy) / (2 * step) == pytest.approx(force @ way, rel=1e-5)
+    bent = dense_stiffness(problem, problem.linearise(state)) @ way
+    change = (problem.gradient(after) - problem.gradient(before)) / (2 * step)
+    np.testing.assert_allclose(change, bent, atol=1e-4 * np.abs(bent).max())
+
+
+def test_forces_have_no_resultant_and_no_moment_and_are_none_between_bodies():
+    tissue = cell()
+    lumens = Lumens(tissue)
+    state = lumens.contact.at(pressed(tissue, 0.68))
+    force = lumens.contact.force(state.at, Role.INTERACTION).reshape(2, -1)
+    x, y = tissue.positions(state.displacement)
+    size = np.abs(force).sum()
+    assert size > 0
+    np.testing.assert_allclose(force @ tissue.space.one, 0, atol=1e-12 * size)
+    assert x @ force[1] - y @ force[0] == pytest.approx(0, abs=1e-11 * size)
+    assert lumens.term.interaction(state.at) is None
+    (in_cell,) = lumens.term.force_in_bodies(state.at, 1)
+    assert 0 < in_cell < size
+
+
+def test_what_is_pressed_together_is_driven_apart():
+    tissue = cell()
+    lumens = Lumens(tissue)
+    force = -lumens.contact.gradient(lumens.contact.at(pressed(tissue, 0.68, wave=0.0))).reshape(2, -1)
+    is_upper = (tissue.space.rest[1] > 0) & (tissue.space.one > 0)
+    assert force[1][is_upper].sum() > 0
+
+
+@pytest.mark.parametrize("shear", [0.0, 0.3])
+def test_an_open_lumen_has_no_contact_and_takes_no_room_in_the_matrix(shear):
+    tissue = cell(cells=2)
+    lumens = Lumens(tissue)
+    at = tissue.space.affine(np.array([[0.0, shear], [0.0, 0.0]]), np.zeros(2)).ravel()
+    state = lumens.contact.at(at + tissue.smooth(0.05, 2))
+    assert state.energy == 0 and lumens.term.found(state.at) is None and lumens.term.constraints(state.at) is None
+    row, column = lumens.term.couplings(state.at, 2 * WALL)
+    assert len(row) == 1 and row == column
+
+
+def test_lumens_of_two_cells_have_nothing_to_do_with_each_other():
+    tissue = cell(cells=2)
+    lumens = Lumens(tissue)
+    at = tissue.body_translation(1, tissue.lattice.centres[0] - tissue.lattice.centres[1])
+    assert lumens.contact.at(at).energy == 0
+
+
+def test_lumens_share_nothing_with_outer_walls():
+    tissue = small_tissue(1, 1)
+    lumens = Lumens(tissue).surface
+    assert lumens.body_of_loop.tolist() == [0]
+    assert lumens.facet_count == 12 and not np.isin(lumens.dofs, tissue.walls.dofs).any()
+
+
+def test_only_neighbours_on_a_side_are_left_out_of_a_hexagonal_lumen():
+    lumens = Lumens(cell(edges=4)).surface
+    one, two = (part.ravel() for part in np.indices((lumens.facet_count,) * 2))
+    may = lumens.may_touch(one, two).reshape(lumens.facet_count, -1)
+    np.testing.assert_array_equal(may, may.T)
+    ahead = np.arange(lumens.facet_count)
+    beside = lumens.neighbours[:, 1], lumens.neighbours[:, 0]
+    assert not may[ahead, ahead].any()
+    # Of the four edges of a side one neighbour at each end lies around a corner, and may touch.
+    for neighbour in beside:
+        assert may[ahead, neighbour].sum() == 6
+
+
+class Plane(Term):
+    """Two rigid planes in one: the upper and the lower half of a cell may not cross the line between them."""
+
+    def __init__(self, tissue: SmallTissue, lumens: LumenSurface, stiffness: float) -> None:
+        points = lumens.quadrature
+        side = np.sign(lumens.places(points.facet, points.xi, lumens.rest)[:, 1])
+        trace, size = lumens.trace(points.facet, points.xi), tissue.space.size
+        rows = np.repeat(np.arange(len(side)), trace.shape[1])
+        columns = lumens.dofs[points.facet].ravel() + size
+        slopes = sparse.csr_array((trace.ravel(), (rows, columns)), shape=(len(side), 2 * size))
+        chosen = np.flatnonzero(side)
+        self.slopes = slopes[chosen] * side[chosen, None]
+        self.penalty, self.side, self.level = stiffness * points.weight[chosen], side[chosen], 0.0
+
+    def apply(self, load_factor):
+        self.level = -load_factor / 2  # the lower support is held, the upper one comes down
+
+    def value(self, at):
+        return float(self.penalty @ np.minimum(self._gaps(at), 0) ** 2 / 2)
+
+    def gradient(self, at):
+        return np.zeros(at.positions.size)
+
+    def constraints(self, at):
+        return OneSided(self._gaps(at), self.slopes.tocsr(), self.penalty, np.arange(len(self.penalty)))
+
+    def _gaps(self, at):
+        return self.slopes @ at.positions.ravel() - self.side * self.level
+
+
+def flattened(tissue: SmallTissue, problem: Problem) -> list[tuple[float, float]]:
+    """Energy, and force of the supports, as a cell is pressed flat."""
+    minimiser, displacement, found = tissue.minimiser(problem), np.zeros(tissue.space.unknowns), []
+    minimiser.longest_step = WALL / 2
+    motion, before = tissue.motion, 0.0
+    for load in (0.3, 0.6, 0.9, 1.1, 1.2, 1.3, 1.33):
+        for term in problem.terms:
+            term.apply(load)
+        start = motion.imposed(displacement + motion.lifting(load) - motion.lifting(before), load)
+        minimum = minimiser.minimise(start, ProximalTerm(0.0, start))
+        assert minimum.is_found
+        displacement, before = minimum.state.displacement, load
+        force = problem.gradient(minimum.state) * ~problem.free
+        found.append((minimum.state.energy, float(np.abs(force.reshape(2, -1)[1]).sum() / 2)))
+    return found
+
+
+def test_a_cell_pressed_flat_is_two_halves_on_a_rigid_plane():
+    """The oracle shares nothing with the search: it knows the plane of symmetry."""
+    tissue = cell(edges=2)
+    lumens = Lumens(tissue)
+    pairwise = 2 * float(lumens.term.method.stiffness[0])  # walls that overlap by 2 y store as much as two planes
+    touching = Problem(tissue.space, [tissue.bulk, lumens.term], tissue.motion.fixed)
+    halves = Problem(tissue.space, [tissue.bulk, Plane(tissue, lumens.surface, pairwise)], tissue.motion.fixed)
+    free = Problem(tissue.space, [tissue.bulk], tissue.motion.fixed)
+    found, expected, without = (flattened(tissue, problem) for problem in (touching, halves, free))
+    np.testing.assert_allclose(found, expected, rtol=1e-4)
+    assert found[-1][1] > 1.1 * without[-1][1]
