@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ngcell.cli.interrupts import remembered_interrupts
 from ngcell.cli.pace import duration
 from ngcell.cli.streams import note
 from ngcell.cli.sweep_progress import silent, sweep_progress
@@ -64,9 +65,10 @@ def sweep(
             click.echo(line)
         return
     try:
-        with silent() if quiet else sweep_progress() as show:
+        with silent() if quiet else sweep_progress() as show, remembered_interrupts() as check:
             for ended in runs:
                 show(ended)
+                check()
     except KeyboardInterrupt:
         counted = f"{sum(runs.outcomes.values())} of {len(runs.cases)}"
         note(f"stopped by Ctrl-C; {counted} cases have ended, kept in {folder}; start again for the rest")
