@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ngcell.geometry.bodies import FILLING
 from ngcell.mechanics.laws.law import HyperelasticLaw, in_three_dimensions
-from ngcell.mechanics.mixed import INCOMPRESSIBLE, can_be_mixed, reduced_measure
+from ngcell.mechanics.mixed import can_be_mixed, is_incompressible, reduced_measure
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.symbolic import Integrals, SymbolicTerm
 from ngcell.mechanics.term import Configuration, Index
@@ -53,8 +53,8 @@ class BodyEnergy(SymbolicTerm):
         self.space, self.laws = space, tuple(laws)
         self._direction, self._extra = fibre_direction, extra_degrees
         if mixed is None:
-            mixed = [law.bulk_modulus > INCOMPRESSIBLE * law.shear_modulus for law in self.laws]
-            mixed = [each and can_be_mixed(space) for each in mixed]
+            mixed = [is_incompressible(law) for law in self.laws]
+            mixed = mixed if any(mixed) and can_be_mixed(space) else [False] * len(mixed)
         self.mixed = tuple(mixed)
 
     def integrals(self, displacement: ngsolve.CoefficientFunction) -> Integrals:

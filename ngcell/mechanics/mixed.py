@@ -13,6 +13,7 @@ import ngsolve
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.mechanics.laws.law import HyperelasticLaw
 from ngcell.mechanics.space import DisplacementSpace
 
 Array = NDArray[np.float64]
@@ -23,6 +24,11 @@ Array = NDArray[np.float64]
 INCOMPRESSIBLE = 1e3
 
 _KINDS = (ngsolve.ET.QUAD, ngsolve.ET.HEX)
+
+
+def is_incompressible(law: HyperelasticLaw) -> bool:
+    """Return whether a solid hardly changes its volume."""
+    return bool(law.bulk_modulus > INCOMPRESSIBLE * law.shear_modulus)
 
 
 def can_be_mixed(space: DisplacementSpace) -> bool:

@@ -90,3 +90,10 @@ def test_stress_of_such_walls_has_the_volume_ratio_that_counts():
     reference, (usual, _), (found, jacobian) = mean_stress(50.0, 5)[0], mean_stress(50.0, 3), mean_stress(1e5, 3)
     assert rms(found - reference) < rms(usual - reference)
     assert rms(1e5 * MODULUS * np.log(jacobian)) > 100 * rms(reference)
+
+
+def test_a_strength_is_refused_where_the_displacement_does_not_tell_the_stress():
+    with pytest.raises(ngcell.CaseError, match="material.strength"):
+        sheared(1.01 * INCOMPRESSIBLE, "material.strength=0.5")
+    sheared(1.01 * INCOMPRESSIBLE, "material.stretch_limit=1.5")
+    sheared(INCOMPRESSIBLE, "material.strength=0.5")

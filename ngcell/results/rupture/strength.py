@@ -19,6 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.errors import CaseError
+from ngcell.mechanics.laws.law import HyperelasticLaw
+from ngcell.mechanics.mixed import INCOMPRESSIBLE, is_incompressible
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.term import Term
 from ngcell.problem.reports import stress as cauchy_stress
@@ -121,8 +123,14 @@ class WallStrength:
         return np.asarray(np.linalg.svd(self.averages.sums(gradient) / whole[:, None, None], compute_uv=False)[:, 0])
 
 
-def wall_strength(space: DisplacementSpace, laws: Sequence[object]) -> WallStrength | None:
-    """Return what walls of these laws bear, one law a body; None where none says it."""
+def wall_strength(space: DisplacementSpace, laws: Sequence[HyperelasticLaw]) -> WallStrength | None:
+    """Return what walls of these laws bear, one law a body; None where none says it.
+
+    Raises
+    ------
+    CaseError
+        If a wall with a strength hardly changes its volume: the displacement alone does not tell its mean stress.
+    """
 
     def said(name: str) -> list[float | None]:
         return [getattr(law, name, None) for law in laws]
@@ -130,6 +138,11 @@ def wall_strength(space: DisplacementSpace, laws: Sequence[object]) -> WallStren
     strength, limit, length = said("strength"), said("stretch_limit"), said("rupture_length")
     if all(value is None for value in (*strength, *limit)):
         return None
+    if any(value is not None and is_incompressible(law) for value, law in zip(strength, laws, strict=True)):
+        raise CaseError(
+            f"material.strength: not for a bulk modulus above {INCOMPRESSIBLE:.0f} shear moduli; allowed: "
+            "a smaller bulk_modulus, or a stretch_limit"
+        )
     thickness = space.bodies.thickness_of_body
     return WallStrength(
         space,
