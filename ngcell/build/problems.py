@@ -220,12 +220,9 @@ class Problems:
         # Contact is as stiff as the softer body of a pair; what the proximal term has to outweigh at first is the
         # stiffest.
         first = options.first_overlapping if self._overlaps_at_rest(_TOUCHING) else options.first * stiffest / softest
-        least, accuracy = options.last, self.setup.accuracy
-        last, felt = least, 0.0
-        if isfinite(accuracy):
-            last, felt = max(least, options.of_accuracy * accuracy), options.felt * accuracy
-        ends = replace(options, first=first, last=last, least=least, felt=felt)
-        return Continuation(softest / self.bodies.length**2, ends)
+        if isfinite(self.setup.accuracy):
+            options = options.within(self.setup.accuracy)
+        return Continuation(softest / self.bodies.length**2, replace(options, first=first))
 
     @property
     def _moduli(self) -> tuple[float, float]:

@@ -243,7 +243,8 @@ class _Level(Generic[Scene]):
             self._prepare(minimisers, before, accepted, start)
             try:
                 length, options = self._released.longest_step, mine.options.solver
-                minimum = settled(minimisers, start, held, length=length, options=options)
+                path = self._released.path if held.weight else None
+                minimum = settled(minimisers, start, held, length=length, options=options, path=path)
             except OutOfIterations:
                 return None
             accepted = replace(accepted, effort=accepted.effort + (spent(minimisers) - effort))

@@ -9,9 +9,14 @@ from a large weight to a vanishing one. It is a release by a ramp: the proximal 
 little. The path starts at the minimum without contact, which is unique under a large weight: at the centre walls touch
 and corners meet corners, and it is the forces in the walls, not the round-off of a start, that decide which way they
 part. So the equilibrium follows from centre and energy alone, not from load steps or from where the bodies came from.
-In the limit, floating cells sit as near to the centre as contact allows. What the last proximal term still holds is
-measured and reported. Cells that hardly anything holds may cycle on corners of others without end: where the last
-stretch, from `enough` to `last`, takes longer than the way to it, or stalls, the path ends at `enough`.
+What the last proximal term still holds is measured and reported.
+
+How the path ends depends on the accuracy that is asked for. Where it is finite, the path goes to `recentred`, and from
+there each minimum is the centre of the next proximal term: bodies that nothing holds stay where they have come free,
+and within some centres no proximal force is left. Digits that nobody asked for, such as the last ones of the places of
+floating cells, take most of the time on any other way. At accuracy inf the centre stays, and in the limit floating
+cells sit as near to it as contact allows. They may cycle on corners of others without end: where the last stretch, from
+`enough` to `last`, takes longer than the way to it, or stalls, the path ends at `enough`.
 
 Numbers (`ngcell.solve.options.ContinuationOptions`): the scale of the weight is shear modulus over cell size squared,
 which makes the path independent of units. At `first` the proximal term outweighs everything but the wall's own
@@ -98,10 +103,10 @@ class Continuation:
             return minimum
         _log.info("the path ends at %.0e", instead.weight)
         proximal, most = self._proximal(instead.weight, centre), max(options.cycling, instead.way)
-        minimum, _ = _minimise(minimisers[-1], instead.place, proximal, options.at_the_end, instead.weight, most=most)
+        last = minimisers[-1]
+        minimum, _ = _minimise(last, instead.place, proximal, options.at_the_end, instead.weight, most=most)
         if not minimum.is_found:
             return minimum
-        last = minimisers[-1]
         return until_conditions_hold(last, minimum, last.longest_step, options, name=instead.weight)
 
     def _follow(
@@ -113,19 +118,21 @@ class Continuation:
         place, energy = _without_round_off(start.displacement, minimisers[0], options.last_digit), start.energy
         missed, way, enough = 0.0, 0, None
         while not (enough and way > 2 * enough.way):
-            minimiser, is_end = rest[0], len(rest) == 1 and weight <= self.options.last
-            if enough is None and len(rest) == 1 and self.options.last < weight <= options.enough:
+            minimiser, is_end = rest[0], len(rest) == 1 and weight <= options.end
+            if enough is None and len(rest) == 1 and options.end < weight <= options.enough:
                 enough = _Enough(place, weight, way)
-            share, least = (options.at_the_end, 0.0) if is_end else (options.on_the_way, options.nothing * abs(energy))
-            least, most = max(options.update * missed, least), options.cycling if enough else None
+            is_exact = is_end and not options.sufficient
+            share, least = (options.at_the_end, 0.0) if is_exact else (options.on_the_way, options.nothing)
+            least, most = max(options.update * missed, least * abs(energy)), options.cycling if enough else None
             proximal = self._proximal(weight, centre)
             minimum, effort = _minimise(minimiser, place, proximal, share, weight, least, most)
             way += effort.iterations
             if minimum.ending is Ending.STALLED and weight > options.stiffen_at and not may_stall:
                 minimum = replace(minimum, ending=Ending.NO_DESCENT)
-            if minimum.is_found and is_end and weight > options.least and _is_felt(minimiser, minimum, options.felt):
-                place, weight = minimum.state.displacement, max(weight / 10, options.least)
-                continue
+            if minimum.is_found and is_end and options.sufficient:
+                minimum = recentred(minimiser, minimum.state.displacement, minimum.proximal.weight, options)
+                length = minimiser.longest_step
+                return until_conditions_hold(minimiser, minimum, length, options, name=weight), None
             if minimum.is_found and is_end:
                 most = 2 * enough.way - way if enough else None
                 minimum = until_conditions_hold(
@@ -136,24 +143,50 @@ class Continuation:
                 break
             place, energy = minimum.state.displacement, minimum.state.energy
             _, missed = minimiser.problem.update_multipliers(minimum.state)
-            if len(rest) > 1 and weight <= max(options.stiffen_at, self.options.last):
+            if len(rest) > 1 and weight <= max(options.stiffen_at, options.end):
                 rest.pop(0)
                 rest[0].problem.start_from(minimiser.problem, minimum.state)
                 rest[0].adopt_matrix(minimiser)
                 continue
             # Longer and longer strides while no wall closes or opens.
             decades = min(2 * decades, options.widest) if effort.factorisations <= 1 else self.options.narrowest
-            milestone = max(options.stiffen_at, self.options.last) if len(rest) > 1 else self.options.last
+            milestone = max(options.stiffen_at, options.end) if len(rest) > 1 else options.end
             weight = max(weight / 10**decades, milestone)
         return minimum, enough
 
     def last_proximal(self, centre: Array) -> ProximalTerm:
         """Return the proximal term at the path's end, however far that goes."""
-        return self._proximal(min(self.options.last, self.options.least), centre)
+        return self._proximal(self.options.last, centre)
 
     def _proximal(self, weight: float, centre: Array) -> ProximalTerm:
         """Return a proximal term of this weight in units of the scale."""
         return ProximalTerm(self.scale * weight, centre)
+
+
+def recentred(minimiser: Minimiser, start: Array, weight: float, options: ContinuationOptions) -> Minimum:
+    """Return an equilibrium near a place: from now on the proximal term holds bodies where they are.
+
+    This is the proximal point method (Rockafellar 1976, doi:10.1137/0314056): each minimum is the next centre, so that
+    bodies that nothing holds stay, and no proximal force is left in the end. It ends where all falls of the energy that
+    are still to come, as many as go on like the last two, are no more than what suffices, and the proximal force is not
+    felt.
+    """
+    proximal, fallen, scale = ProximalTerm(weight, start), float("inf"), weight / options.recentred
+    for _ in range(options.most_recentred):
+        energy, name = minimiser.problem.at(proximal.centre).energy, proximal.weight / scale
+        sufficient = options.sufficient * abs(energy)
+        minimum, _ = _minimise(minimiser, proximal.centre, proximal, 0.0, name, options.update * sufficient)
+        if not minimum.is_found:
+            return minimum
+        minimiser.problem.update_multipliers(minimum.state)
+        before, fallen = fallen, energy - minimum.state.energy
+        ratio = fallen / before if before > 0 else 0.0
+        weight = max(proximal.weight / 10, scale * options.last) if ratio > options.idle else proximal.weight
+        proximal = ProximalTerm(weight, minimum.state.displacement)
+        is_low = fallen / (1 - min(max(ratio, 0.0), options.idle)) <= sufficient
+        if is_low and not _is_felt(minimiser, minimum, options.felt):
+            break
+    return _minimise(minimiser, proximal.centre, proximal, 0.0, name, options.refined * abs(energy))[0]
 
 
 def until_conditions_hold(

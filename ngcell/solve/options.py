@@ -7,8 +7,7 @@ continuation's scale (`ngcell.solve.continuation`).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from math import inf
+from dataclasses import dataclass, field, replace
 
 
 @dataclass(frozen=True)
@@ -96,11 +95,18 @@ class ContinuationOptions:
     Attributes
     ----------
     first, enough, last : float
-        Weight at the start, where the continuation may end if need be, and at its end.
-    of_accuracy, least, felt : float
-        Weight at the end over the accuracy that is asked for, where it is not smaller by itself; weight down to which
-        it goes on where it is felt, by default not beyond its end; and the pull that is felt, as a multiple of the
-        accuracy times the largest force on a body: half of what the certificate allows.
+        Weight at the start, where the continuation may end if need be, and at its end, where the centre stays.
+    felt, felt_of_accuracy : float
+        Pull of the proximal term on a body that is felt, as a share of the largest force on one; and that over the
+        accuracy that is asked for: half of what the certificate allows.
+    sufficient, sufficient_of_accuracy : float
+        By how much the energy may still fall, as a share of itself, when no further centre of the proximal term is
+        taken; and that over the accuracy that is asked for; 0 where the centre stays.
+    recentred, most_recentred, idle, refined : float, int, float, float
+        Weight at which the proximal term begins to hold bodies where they are; the most centres; the share of a fall
+        above which the next one is slow, and the weight is lowered; and the decrement of the last minimisation as a
+        share of the energy. A share of 1e-12 left forces 2.9e-6 out of balance where contact
+        is stiff, and does not tell which cells nothing holds.
     first_overlapping : float
         Weight at the start where walls overlap at rest: a larger one would hold them deep in each other, where the
         nearest wall changes from point to point and the energy is not smooth.
@@ -132,9 +138,14 @@ class ContinuationOptions:
     first: float = 1e3
     enough: float = 1e-7
     last: float = 1e-9
-    of_accuracy: float = 1e-4
-    least: float = inf
-    felt: float = 0.05
+    felt: float = 0.0
+    felt_of_accuracy: float = 0.05
+    sufficient: float = 0.0
+    sufficient_of_accuracy: float = 0.05
+    recentred: float = 1e-4
+    most_recentred: int = 30
+    idle: float = 0.9
+    refined: float = 1e-16
     first_overlapping: float = 1.0
     narrowest: float = 0.5
     widest: float = 1.0
@@ -150,6 +161,15 @@ class ContinuationOptions:
     nothing: float = 1e-11
     farthest: float = 2.0
     hold_back: float = 100.0
+
+    def within(self, accuracy: float) -> ContinuationOptions:
+        """Return the numbers with which results have this relative error."""
+        return replace(self, felt=self.felt_of_accuracy * accuracy, sufficient=self.sufficient_of_accuracy * accuracy)
+
+    @property
+    def end(self) -> float:
+        """Weight at which the path from one centre ends."""
+        return self.recentred if self.sufficient else self.last
 
 
 @dataclass(frozen=True)
@@ -222,9 +242,6 @@ class SolverOptions:
     direct_bulk, bulk_stage : float
         Ratio of bulk to shear modulus up to which a law is followed as it is, and the factor between the stages beyond
         it: there Newton's method crawls along the curved valley of constant volume.
-    refined : float
-        Decrement at which a minimisation on a finer mesh ends, as a share of the energy. A share of 1e-12 left forces
-        2.9e-6 out of balance where contact is stiff, and does not tell which cells nothing holds.
     most_work, work_of_body : int
         Factorisations and refused trial steps of a step, all attempts together: for any scene, and more for each body.
         Iterations would bound no time, since some take a hundred of them.
@@ -236,7 +253,6 @@ class SolverOptions:
     stability: StabilityOptions = field(default_factory=StabilityOptions)
     direct_bulk: float = 1e4
     bulk_stage: float = 30.0
-    refined: float = 1e-16
     most_work: int = 3000
     work_of_body: int = 30
 

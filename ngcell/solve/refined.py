@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.solve.continuation import until_conditions_hold
+from ngcell.solve.continuation import Continuation, recentred, until_conditions_hold
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Minimum
 from ngcell.solve.options import SolverOptions
@@ -25,6 +25,7 @@ def settled(
     *,
     length: float,
     options: SolverOptions,
+    path: Continuation | None = None,
 ) -> Minimum:
     """Return the minimum near a state that was found on a coarser mesh.
 
@@ -40,13 +41,18 @@ def settled(
         The length beside which missed conditions are judged [length].
     options : SolverOptions
         The solver's own numbers.
+    path : Continuation, optional
+        The continuation on this mesh, if bodies may float: the proximal term then holds them where they are.
     """
     minimum, before = None, None
     for minimiser in minimisers:
         if before is not None and minimum is not None:
             minimiser.problem.start_from(before.problem, minimum.state)
-        enough = options.refined * abs(minimiser.problem.at(start).energy)
-        minimum = minimiser.minimise(start, proximal, enough)
+        if path is None:
+            enough = options.continuation.refined * abs(minimiser.problem.at(start).energy)
+            minimum = minimiser.minimise(start, proximal, enough)
+        else:
+            minimum = recentred(minimiser, start, path.scale * path.options.recentred, path.options)
         if not minimum.is_found:
             return minimum
         start, before = minimum.state.displacement, minimiser

@@ -110,7 +110,8 @@ def _mode_near(minimiser: Minimiser, minimum: Minimum, weight: float, options: S
     theta, direction, rounds = _lanczos(solve, minimiser.problem.mass, free, options)
     # A sign that no symmetry of the direction makes a tie.
     sign = np.sign(direction @ _pattern(len(direction))) or 1.0
-    return Mode(float(1 / theta - weight), np.asarray(sign * direction / np.abs(direction).max()), rounds)
+    curvature = float(1 / theta) - weight - minimum.proximal.weight
+    return Mode(curvature, np.asarray(sign * direction / np.abs(direction).max()), rounds)
 
 
 def _below(
