@@ -21,7 +21,8 @@ import click
 import psutil
 
 from ngcell.scene.study import Study
-from ngcell.sweeps.sweep import Sweep, SweepOptions
+from ngcell.sweeps.options import SweepOptions
+from ngcell.sweeps.sweep import Sweep
 from ngcell.sweeps.task import Task
 from tools.commands import described
 
@@ -39,8 +40,7 @@ def idle(task: Task) -> dict[str, Any]:
 
 
 def memory_along(number: int, out: Path) -> list[dict[str, float]]:
-    """Return the memory of this process, which holds the scheduler as well, along a sweep of so many idle runs [MiB].
-    """
+    """Return the memory of this process, which holds the scheduler as well, along a sweep of so many idle runs [MiB]."""
     drawn = {"kind": "random", "low": 0.05, "high": 0.2, "number": number}
     study = Study(case="shear-empty-3x3", set={"load.levels": 1}, axes={"tissue.wall": drawn}, outputs=["energy"])
     runs, process, started = Sweep(study, out, SweepOptions(function=idle)), psutil.Process(), perf_counter()
