@@ -272,4 +272,4 @@ def _tissue(case: AnyCase | BodyScene) -> dict[str, Any]:
 
 
 def _extremes(values: Any) -> list[float] | None:
-    return None if values is None else [float(np.min(values)), float(np.max(values))]
+    return None if values is None or not np.size(values) else [float(np.min(values)), float(np.max(values))]
