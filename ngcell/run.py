@@ -231,7 +231,8 @@ def draw_layout(case: AnyCase | BodyScene, path: Path) -> Path:
         tissue: Any = meshed.tissue.model_copy(update=flat)
         load = meshed.load
         bodies = with_bodies_of(load, tissue.mesh(load.supported, meshed.mesh))
-        supports = [] if load.supported is None else [LOWER_PLATE, UPPER_PLATE, LEFT_SIDE, RIGHT_SIDE, FRAME, INDENTER]
+        above = INDENTER if bodies.rigid_count else UPPER_PLATE  # below an indenter nothing holds the upper side
+        supports = [] if load.supported is None else [LOWER_PLATE, above, LEFT_SIDE, RIGHT_SIDE, FRAME]
     else:
         found = discretise(meshed)
         bodies, supports = found.space.bodies, [support.region for support in found.motion.supports]

@@ -133,7 +133,7 @@ def _draw_ends(axes: Axes, cells: Grid, ends: Sequence[str], size: CellSize) -> 
     """Mark each cell by how it has ended."""
     if not ends:
         return
-    (place, _), found = places(cells), np.array(ends)
+    place, found = places(cells)[0][: len(ends)], np.array(ends)  # rigid bodies, the last ones, have no end
     area, line = size.at_most(*_MARK) ** 2, size.at_most(0.6, 0.02)
     for end, (colour, marker) in _ENDS.items():
         mine = place[found == end]

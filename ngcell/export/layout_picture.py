@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ngcell.export.cell_size import CellSize
-from ngcell.export.picture import INK, SOFT_INK, canvas, save_png
+from ngcell.export.picture import INK, RIGID, SOFT_INK, canvas, save_png
 from ngcell.results.layout import Layout
 
 if TYPE_CHECKING:
@@ -33,6 +33,7 @@ def draw_layout(layout: Layout, path: Path, *, title: str = "") -> Path:
     figure, axes, size = canvas(places, places, int(layout.body.max()) + 1)
     _draw_elements(axes, layout, size)
     _draw_edges(axes, layout, size)
+    _draw_rigid(axes, layout)
     _draw_numbers(axes, layout, size.at_most(8, 0.34))
     axes.set_title(title, loc="left", fontsize=12, fontweight="bold", color=INK, pad=22)
     return save_png(figure, path)
@@ -65,11 +66,29 @@ def _draw_edges(axes: Axes, layout: Layout, size: CellSize) -> None:
         axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, frameon=False, fontsize=9, labelcolor=INK)
 
 
+def _draw_rigid(axes: Axes, layout: Layout) -> None:
+    """Fill rigid bodies, which are shells for the solver only."""
+    from matplotlib.collections import PolyCollection
+
+    outlines = [
+        np.array([layout.elements[number][0] for number in np.flatnonzero(layout.body == body)])
+        for body in _rigid_bodies(layout)
+    ]
+    axes.add_collection(PolyCollection(outlines, zorder=2.5, **RIGID), autolim=False)
+
+
+def _rigid_bodies(layout: Layout) -> range:
+    count = int(layout.body.max()) + 1
+    return range(count - layout.rigid_count, count)
+
+
 def _draw_numbers(axes: Axes, layout: Layout, height: float) -> None:
-    """Write the number of each body in the middle of it, as far as it can be read."""
+    """Write the number of each body in the middle of it, as far as it can be read, and of rigid ones that they are."""
     if height < _SMALLEST_NUMBER:
         return
     for body in range(int(layout.body.max()) + 1):
         places = np.concatenate([layout.elements[number] for number in np.flatnonzero(layout.body == body)])
         x, y = (places.min(0) + places.max(0)) / 2
-        axes.text(x, y, str(body), ha="center", va="center", fontsize=height, color=SOFT_INK, zorder=4)
+        is_rigid = body in _rigid_bodies(layout)
+        words, colour = ("rigid", INK) if is_rigid else (str(body), SOFT_INK)
+        axes.text(x, y, words, ha="center", va="center", fontsize=height, color=colour, zorder=4)

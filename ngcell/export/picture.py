@@ -35,6 +35,8 @@ _LUMEN, _FREE = "#e4e9efc8", "#f6b26b"
 _OUTLINE = 0.6, 0.012
 #: Outlines that are thinner show no dashes [points].
 _DASHED = 0.35
+#: How rigid bodies are filled.
+RIGID: dict[str, Any] = {"facecolors": "#aab0b8", "edgecolors": INK, "linewidths": 0.6}
 _REFERENCE = "#c3c8cf"
 _ALARM = "#d21f1f"
 _WIDTH, _LEFT, _RIGHT, _BOTTOM, _TOP = 8.6, 0.72, 1.25, 0.62, 0.78  # of the figure and its margins [inch]
@@ -74,10 +76,11 @@ def draw_tissue(snapshot: Snapshot, path: Path, *, title: str, certified: bool) 
     figure, axes, size = canvas(np.vstack([deformed, at_rest]), at_rest, len(np.unique(bulk.cell_data["cell_id"])))
     line = size.at_most(*_OUTLINE)
     _draw_reference(axes, bulk, loops, line)
-    free = _free_cells(bulk)
+    free, rigid = _cells_that_are("free", bulk), _cells_that_are("rigid", bulk)
     colours = _draw_bodies(axes, bulk, deformed, loops, tinted=free if line < _DASHED else set())
     _add_colour_bar(figure, axes, colours)
     _draw_outlines(axes, deformed, loops, free, line)
+    _draw_rigid(axes, deformed, [loop for loop in loops if loop.cell_id in rigid])
     _add_heading(axes, title, snapshot, free=len(free), mark="dashed" if line >= _DASHED else "orange")
     if not certified:
         mark_uncertified(figure)
@@ -171,10 +174,21 @@ def _draw_bodies(axes: Axes, bulk: Grid, deformed: NDArray[Any], loops: Iterable
     )  # fmt: skip
 
 
-def _free_cells(bulk: Grid) -> set[int]:
-    """Return the cells that nothing holds."""
-    held = np.asarray(bulk.cell_data.get("free", np.zeros(len(bulk.cells)))) == 0
-    return set(np.asarray(bulk.cell_data["cell_id"])[~held].tolist())
+def _cells_that_are(what: str, bulk: Grid) -> set[int]:
+    """Return the bodies that this field marks by 1."""
+    marked = np.asarray(bulk.cell_data.get(what, np.zeros(len(bulk.cells)))) == 1
+    return set(np.asarray(bulk.cell_data["cell_id"])[marked].tolist())
+
+
+def _draw_rigid(axes: Axes, deformed: NDArray[Any], loops: Iterable[Loop]) -> None:
+    """Fill rigid bodies, which are shells for the solver only, and say what they are."""
+    from matplotlib.collections import PolyCollection
+
+    outlines = [deformed[loop.points] for loop in loops if loop.outer]
+    axes.add_collection(PolyCollection(outlines, zorder=5, **RIGID), autolim=False)
+    for outline in outlines:
+        x, y = (outline.min(0) + outline.max(0)) / 2
+        axes.text(x, y, "rigid", ha="center", va="center", fontsize=8, color=INK, zorder=6)
 
 
 def _draw_outlines(axes: Axes, deformed: NDArray[Any], loops: Iterable[Loop], free: set[int], width: float) -> None:
