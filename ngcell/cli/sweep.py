@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ngcell.sweeps.sweep import Sweep
 
 
-@click.command()
+@click.command(short_help="Run a case along axes into one table.")
 @click.argument("study", type=click.Path(path_type=Path))
 @click.option("--out", type=click.Path(path_type=Path), help="Folder of the table; default out/<study name>.")
 @click.option(
