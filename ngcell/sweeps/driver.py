@@ -23,7 +23,7 @@ from ngcell.sweeps.ending import Ending
 from ngcell.sweeps.extra import needed
 from ngcell.sweeps.store import Result
 from ngcell.sweeps.task import OTHER_CODE, Task
-from ngcell.sweeps.watch import next_ended
+from ngcell.sweeps.patience import next_ended
 from ngcell.sweeps.worker import died
 
 #: What a worker does with a task.

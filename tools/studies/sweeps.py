@@ -40,7 +40,8 @@ def idle(task: Task) -> dict[str, Any]:
 
 
 def memory_along(number: int, out: Path) -> list[dict[str, float]]:
-    """Return the memory of this process, which holds the scheduler as well, along a sweep of so many idle runs [MiB]."""
+    """Return the memory of this process, which holds the scheduler as well, along a sweep of so many idle runs [MiB].
+    """
     drawn = {"kind": "random", "low": 0.05, "high": 0.2, "number": number}
     study = Study(case="shear-empty-3x3", set={"load.levels": 1}, axes={"tissue.wall": drawn}, outputs=["energy"])
     runs, process, started = Sweep(study, out, SweepOptions(function=idle)), psutil.Process(), perf_counter()
