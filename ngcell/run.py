@@ -231,7 +231,8 @@ def draw_layout(case: AnyCase | BodyScene, path: Path) -> Path:
         tissue: Any = meshed.tissue.model_copy(update=flat)
         load = meshed.load
         bodies = with_bodies_of(load, tissue.mesh(load.supported, meshed.mesh))
-        supports = [] if load.supported is None else [LOWER_PLATE, UPPER_PLATE, LEFT_SIDE, RIGHT_SIDE, FRAME, INDENTER]
+        above = INDENTER if bodies.rigid_count else UPPER_PLATE  # below an indenter nothing holds the upper side
+        supports = [] if load.supported is None else [LOWER_PLATE, above, LEFT_SIDE, RIGHT_SIDE, FRAME]
     else:
         found = discretise(meshed)
         bodies, supports = found.space.bodies, [support.region for support in found.motion.supports]
@@ -272,4 +273,4 @@ def _tissue(case: AnyCase | BodyScene) -> dict[str, Any]:
 
 
 def _extremes(values: Any) -> list[float] | None:
-    return None if values is None else [float(np.min(values)), float(np.max(values))]
+    return None if values is None or not np.size(values) else [float(np.min(values)), float(np.max(values))]

@@ -158,12 +158,14 @@ class Observer:
         pressed = pressed_lengths(self._setup.walls, facing.pairs, view.problem, at)
         held = self._of_all_bodies(cell_fields(view.problem.terms, at, record.load_factor))
         free = np.isin(np.arange(self._bodies.body_count), measured.free_bodies).astype(np.int64)
+        is_rigid = np.arange(self._bodies.body_count) >= self._bodies.cell_count
+        rigid = {"rigid": is_rigid.astype(np.int64)} if is_rigid.any() else {}
         bulk, walls = take_fields(
             view.problem,
             at,
             walls=self._setup.walls,
             wall_data={"gap": gap, "contact_pressure": pressure},
-            body_data={"free": free, **held, **fields},
+            body_data={"free": free, **rigid, **held, **fields},
         )
         snapshot = Snapshot(record.step, record.load_factor, record.plate_displacement, bulk, walls)
         pressures, ends = held.get("cell_pressure"), step.checkpoint.ends

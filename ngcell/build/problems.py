@@ -20,6 +20,7 @@ from ngcell.build.drift import check_nothing_drifts
 from ngcell.build.options import Options
 from ngcell.clock import Clock
 from ngcell.contact.cohesion.bonds import bond_walls
+from ngcell.contact.methods.by_penalty import Penalty
 from ngcell.contact.methods.self_contact import SelfContact, self_contact_stages
 from ngcell.contact.methods.terms import CohesionTerm, ContactTerm
 from ngcell.contact.pairing.facing import find_facing
@@ -115,7 +116,8 @@ class Problems:
     def _contact_stages(self) -> tuple[Term, ...]:
         """Contact, from the softest, which follows paths, to the one that is meant."""
         moduli = np.array([law.plane_strain_modulus for law in self.discretisation.walls])
-        stages = self._case.contact.stages(self.walls, moduli, reach=self._reach, options=self.options.contact)
+        contact = self._case.contact if self.walls.facet_count else Penalty()  # without walls all methods do nothing
+        stages = contact.stages(self.walls, moduli, reach=self._reach, options=self.options.contact)
         return tuple(stage if isinstance(stage, Term) else ContactTerm(stage) for stage in stages)
 
     @cached_property

@@ -51,6 +51,13 @@ class ErrorAnsweringGroup(click.Group):
 def ngcell() -> None:
     """Simulate tissues of hollow cells that press, slide and part.
 
+    \b
+    A first run, of some ten seconds; then look at out/first/tissue.png:
+      ngcell solve shear-empty-3x3 --set accuracy=0.1 --set load.levels=2 --out out/first
+    On one page, out/first/report.html:
+      ngcell report out/first
+    What a command does and takes: ngcell COMMAND --help
+
     Exit codes: 0 converged and certified, 2 wrong usage, 3 wrong case, 4 not converged, not certified or not written.
     """
 

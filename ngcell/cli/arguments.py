@@ -39,5 +39,5 @@ set_option = click.option(
     metavar="KEY=VALUE",
     multiple=True,
     callback=_with_value,
-    help="Set a key of the case, such as tissue.wall=0.1. May be given again.",
+    help="Set a key of the case, such as tissue.wall=0.1; the value as in a case file. May be given again.",
 )

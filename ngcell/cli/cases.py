@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 
-@click.command()
+@click.command(short_help="List the cases that come with ngcell.")
 def cases() -> None:
     """List the cases that come with ngcell; `solve` and `check` take their names."""
     from ngcell.scene import case_title, shipped_cases

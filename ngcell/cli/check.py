@@ -10,7 +10,7 @@ from ngcell.cli.arguments import case_argument, picture_file, set_option
 from ngcell.cli.summary import table_lines
 
 
-@click.command()
+@click.command(short_help="Build a case without solving it; draw it.")
 @case_argument
 @set_option
 @click.option(

@@ -16,7 +16,7 @@ def _deck_file(ctx: click.Context, parameter: click.Parameter, file: Path) -> Pa
     return file
 
 
-@click.command("export-febio")
+@click.command("export-febio", short_help="Write a planar tissue as a FEBio deck.")
 @case_argument
 @set_option
 @click.option(

@@ -15,7 +15,7 @@ def _html_file(ctx: click.Context, parameter: click.Parameter, file: Path | None
     return file
 
 
-@click.command()
+@click.command(short_help="Tell results on one HTML page.")
 @click.argument(
     "folders", metavar="DIR...", nargs=-1, required=True,
     type=click.Path(exists=True, file_okay=False, path_type=Path),

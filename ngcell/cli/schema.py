@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 
-@click.command()
+@click.command(short_help="Print what a case may say, as JSON schema.")
 @click.option("--study", is_flag=True, help="That of a study, which `ngcell sweep` takes, instead.")
 @click.option(
     "--out",

@@ -34,7 +34,7 @@ def _finite(ctx: click.Context, parameter: click.Parameter, value: float | None)
     return value
 
 
-@click.command()
+@click.command(short_help="Solve a case, or resume a run that stopped.")
 @optional_case_argument
 @set_option
 @click.option("--out", type=click.Path(path_type=Path), help="Result folder; default out/<case name>.")
@@ -89,7 +89,10 @@ def solve(
     quiet: bool,
     verbose: bool,
 ) -> None:
-    """Solve CASE, a TOML file or the name of a case that comes with ngcell.
+    """Solve CASE, a TOML file or the name of a case that comes with ngcell (`ngcell cases` lists them).
+
+    The result folder gets summary.json, tables of steps, walls and cells (CSV), fields for ParaView (tissue.pvd), and
+    pictures. The terminal tells at the end whether the result is certified, and how large its errors may be.
 
     Results are written during the run: a run that is stopped keeps every step that it accepted, and --resume
     computes the rest. A folder that holds accepted steps of an earlier run is left as it is, unless --force is given;

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ngcell.sweeps.sweep import Sweep
 
 
-@click.command()
+@click.command(short_help="Run a case along axes into one table.")
 @click.argument("study", type=click.Path(path_type=Path))
 @click.option("--out", type=click.Path(path_type=Path), help="Folder of the table; default out/<study name>.")
 @click.option(
@@ -37,6 +37,22 @@ if TYPE_CHECKING:
     type=click.FloatRange(min=0, min_open=True),
     help="Memory that one run may take; a run that needs more ends as out-of-memory.",
 )
+@click.option(
+    "--wait",
+    metavar="MINUTES",
+    type=click.FloatRange(min=0, min_open=True),
+    default=60,
+    show_default=True,
+    help="End the sweep where the cluster has had no worker for so long.",
+)
+@click.option(
+    "--pictures",
+    metavar="N",
+    type=click.IntRange(min=0),
+    default=24,
+    show_default=True,
+    help="Cases, spread over the study, that get a small picture of their tissue.",
+)
 @click.option("--dry-run", is_flag=True, help="Tell cases, unknowns, memory and hours, and run nothing.")
 @click.option("--quiet", "-q", is_flag=True, help="Show no progress.")
 def sweep(
@@ -46,6 +62,8 @@ def sweep(
     scheduler: str | None,
     workers: int | None,
     memory: float | None,
+    wait: float,
+    pictures: int,
     dry_run: bool,
     quiet: bool,
 ) -> None:
@@ -54,12 +72,13 @@ def sweep(
     The folder gets sweep.parquet and sweep.csv, a row for each run and level. Runs that fail are rows with their
     outcome. A sweep that was stopped, or killed, goes on where it was when it is started again.
     """
-    from ngcell.sweeps.sweep import Sweep, SweepOptions
+    from ngcell.sweeps.options import SweepOptions
+    from ngcell.sweeps.sweep import Sweep
 
     if scheduler is not None and workers is not None:
         raise click.UsageError("--workers is for the cluster that is started here: not together with --scheduler")
     folder = out or Path("out") / study.stem
-    runs = Sweep(study, folder, SweepOptions(store, scheduler, workers, memory))
+    runs = Sweep(study, folder, SweepOptions(store, scheduler, workers, memory, pictures=pictures, wait=wait))
     if dry_run:
         for line in outlook_lines(runs.outlook(), workers):
             click.echo(line)

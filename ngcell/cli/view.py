@@ -9,7 +9,7 @@ import click
 from ngcell.cli.arguments import picture_file
 
 
-@click.command()
+@click.command(short_help="Show the deformed tissue of a run.")
 @click.argument("folder", metavar="DIR", type=click.Path(exists=True, file_okay=False, path_type=Path))
 @click.option(
     "--screenshot",

@@ -12,6 +12,7 @@ from ngcell.export.ownership import restore_case
 from ngcell.export.picture import draw_tissue
 from ngcell.export.restart import Restart, cannot_resume, read_restart
 from ngcell.export.series import SnapshotSeries, count_snapshots, read_last_snapshot, read_snapshot
+from ngcell.export.small_picture import small_tissue
 from ngcell.export.summary import accepted_steps, read_summary, write_summary
 from ngcell.export.tables import RecordTable, read_records
 from ngcell.export.view import show
@@ -36,6 +37,7 @@ __all__ = [
     "read_summary",
     "restore_case",
     "show",
+    "small_tissue",
     "spread_table",
     "write_summary",
 ]

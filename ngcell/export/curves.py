@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.export.picture import DPI, INK, NOTE_INK, SOFT_INK, mark_uncertified, save_png, style_axes
+from ngcell.export.cell_size import DPI
+from ngcell.export.picture import INK, NOTE_INK, SOFT_INK, mark_uncertified, save_png, style_axes
 from ngcell.results.record import StepRecord
 
 if TYPE_CHECKING:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Sequence
+from math import sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.export.cell_size import CellSize
 from ngcell.export.curves import load_axis, released_steps
-from ngcell.export.picture import DPI, INK, SOFT_INK, mark_uncertified, save_png, style_axes
+from ngcell.export.picture import INK, SOFT_INK, mark_uncertified, save_png, style_axes
 from ngcell.export.plan import places, wall_lines
 from ngcell.results.record import StepRecord
 from ngcell.results.rupture.cells import BURST, SEPARATED, WHOLE, end_of
@@ -24,10 +26,13 @@ if TYPE_CHECKING:
 #: The two cells of a wall pair, and the plate displacement at which it opened, NaN if it has not.
 PairOnset = tuple[int, int, float]
 
+_SIZE = (10.4, 4.6)  # of the figure [inch]
 # Left, bottom, width and height of each panel as shares of the figure. They are fixed since matplotlib's automatic
 # layout takes as long as everything else.
 _SHARE_PANEL, _COMPONENTS_PANEL = (0.063, 0.545, 0.36, 0.41), (0.063, 0.105, 0.36, 0.41)
 _PLAN_PANEL, _BAR_PANEL = (0.455, 0.06, 0.44, 0.86), (0.91, 0.165, 0.0155, 0.67)
+#: Width of a wall and of the mark of a cell [points], and what share of the cell each has at most.
+_WALL, _MARK = (3.5, 0.12), (10.5, 0.4)
 #: Colour and marker of how cells end.
 _ENDS = {WHOLE: ("#ffffff", "o"), SEPARATED: ("#1f5f8b", "s"), BURST: ("#b3361e", "X")}
 _OPEN, _PARTED, _COMPONENTS, _LARGEST, _CLOSED = "#1f5f8b", "#4a7a3a", "#b3361e", "#c98a1b", "#d5d9df"
@@ -74,7 +79,8 @@ def draw_debonding(
 
     rows = released_steps(history)
     load, name = load_axis(rows)
-    figure = Figure(figsize=(10.4, 4.6), dpi=DPI, facecolor="white")
+    size = _cell_size(cells)
+    figure = Figure(figsize=_SIZE, dpi=size.dpi, facecolor="white")
     share, components, plan = (figure.add_axes(place) for place in (_SHARE_PANEL, _COMPONENTS_PANEL, _PLAN_PANEL))
     parted = [row.parted_pairs / max(len(pairs), 1) for row in rows]
     _curve(share, load, [row.opened_share for row in rows], "open wall length", _OPEN)
@@ -89,8 +95,8 @@ def draw_debonding(
         axes.legend(frameon=False, fontsize=9, labelcolor=INK)
     share.tick_params(labelbottom=False)
     components.set_xlabel(name, color=INK)
-    _draw_plan(figure, plan, pairs, cells)
-    _draw_ends(plan, cells, ends)
+    _draw_plan(figure, plan, pairs, cells, size)
+    _draw_ends(plan, cells, ends, size)
     if not certified:
         mark_uncertified(figure)
     return save_png(figure, path)
@@ -114,23 +120,36 @@ def read_last_ends(path: Path) -> list[str]:
     return [end_of(float(row["burst_at"]), float(row["separated_at"])) for row in last]
 
 
-def _draw_ends(axes: Axes, cells: Grid, ends: Sequence[str]) -> None:
+def _cell_size(cells: Grid) -> CellSize:
+    """Return how large a cell is in the plan, which fills its panel along x or along y."""
+    place, layer = places(cells)
+    width = np.ptp(cells.points[:, 0]) + float(np.ptp(place[:, 0])) * bool(layer.any())
+    panel = np.multiply(_SIZE, _PLAN_PANEL[2:])
+    inches = float((panel / [width, np.ptp(cells.points[:, 1])]).min())
+    return CellSize.of(cells.points[:, :2], int((layer == layer.max()).sum()), inches)
+
+
+def _draw_ends(axes: Axes, cells: Grid, ends: Sequence[str], size: CellSize) -> None:
     """Mark each cell by how it has ended."""
     if not ends:
         return
-    (place, _), found = places(cells), np.array(ends)
+    place, found = places(cells)[0][: len(ends)], np.array(ends)  # rigid bodies, the last ones, have no end
+    area, line = size.at_most(*_MARK) ** 2, size.at_most(0.6, 0.02)
     for end, (colour, marker) in _ENDS.items():
         mine = place[found == end]
         label = f"{len(mine)} {end}"
-        axes.scatter(mine[:, 0], mine[:, 1], s=110, c=colour, marker=marker, label=label, edgecolor=INK, linewidth=0.6)
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.01), ncols=3, frameon=False, fontsize=9, labelcolor=INK)
+        axes.scatter(
+            mine[:, 0], mine[:, 1], s=area, c=colour, marker=marker, label=label, edgecolor=INK, linewidth=line
+        )
+    style: dict[str, Any] = {"frameon": False, "fontsize": 9, "labelcolor": INK, "markerscale": _MARK[0] / sqrt(area)}
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.01), ncols=3, **style)
 
 
 def _curve(axes: Axes, load: NDArray[Any], values: Sequence[float], label: str, colour: str) -> None:
     axes.plot(load, values, color=colour, linewidth=1.9, marker="o", markersize=4, label=label)
 
 
-def _draw_plan(figure: Figure, axes: Axes, pairs: Sequence[PairOnset], cells: Grid) -> None:
+def _draw_plan(figure: Figure, axes: Axes, pairs: Sequence[PairOnset], cells: Grid, size: CellSize) -> None:
     """Draw the common wall of each pair; those that have not opened in grey.
 
     Layers of prisms are laid out side by side, the lowest first; a wall between two layers is a dot in the lower one.
@@ -150,9 +169,11 @@ def _draw_plan(figure: Figure, axes: Axes, pairs: Sequence[PairOnset], cells: Gr
     scale = Normalize(*((onset[opened].min(), onset[opened].max()) if opened.any() else (0.0, 1.0)))
     shown = ScalarMappable(scale, "plasma_r")
     colour = np.where(opened[:, None], shown.to_rgba(onset), to_rgba(_CLOSED))
-    axes.add_collection(LineCollection(list(lines), colors=colour[number], linewidths=3.5, capstyle="round"))
+    axes.add_collection(
+        LineCollection(list(lines), colors=colour[number], linewidths=size.at_most(*_WALL), capstyle="round")
+    )
     dots = np.where(layer[first] < layer[second], first, second)[~level]
-    axes.scatter(place[dots, 0], place[dots, 1], s=90, color=colour[~level])
+    axes.scatter(place[dots, 0], place[dots, 1], s=size.at_most(9.5, 0.3) ** 2, color=colour[~level])
     drawn = np.concatenate([lines.reshape(-1, 2), place[dots]])
     axes.set(xlim=_limits(drawn[:, 0]), ylim=_limits(drawn[:, 1]), aspect="equal")
     axes.set_axis_off()

@@ -88,12 +88,12 @@ def triangulate(grid: Grid) -> NDArray[np.integer]:
 def cell_loops(grid: Grid) -> list[Loop]:
     """All closed lines around the tissue cells of a planar grid, found in the reference state."""
     rings = _counter_clockwise(grid.cells[:, element_shape(grid).ring], grid.points)
-    owner = np.repeat(np.asarray(grid.cell_data["cell_id"]), rings.shape[1])
-    first, corner = _merged_corners(grid.points[rings.ravel()], owner)
+    nodes, owner = rings.ravel(), np.repeat(np.asarray(grid.cell_data["cell_id"]), rings.shape[1])
+    first, corner = _merged_corners(grid.points[nodes], owner)
     start, end = corner, np.roll(corner.reshape(rings.shape), -1, axis=1).ravel()
     outside = ~np.isin(start * len(first) + end, end * len(first) + start)
     chains = _chains(zip(start[outside].tolist(), end[outside].tolist(), strict=True))
-    return [_loop(rings.ravel()[first[chain]], int(owner[first[chain[0]]]), grid.points) for chain in chains]
+    return [_loop(nodes[first[chain]], int(owner[first[chain[0]]]), grid.points) for chain in chains]
 
 
 def _merged_corners(places: NDArray[Any], owner: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.export.atomic import replace_file
+from ngcell.export.cell_size import CellSize
 from ngcell.export.outline import Loop, cell_loops, planar_view, triangulate
 from ngcell.export.series import NOT_CERTIFIED
 from ngcell.results.snapshot import Grid, Snapshot
@@ -26,11 +27,16 @@ if TYPE_CHECKING:
     from matplotlib.collections import TriMesh
     from matplotlib.figure import Figure
 
-DPI = 150
 INK = "#222222"
 NOTE_INK = "#5a6068"
 SOFT_INK = "#8a8f98"
-_LUMEN = "#e4e9efc8"
+_LUMEN, _FREE = "#e4e9efc8", "#f6b26b"
+#: Width of the outline of a cell [points], and what share of the cell it has at most.
+_OUTLINE = 0.6, 0.012
+#: Outlines that are thinner show no dashes [points].
+_DASHED = 0.35
+#: How rigid bodies are filled.
+RIGID: dict[str, Any] = {"facecolors": "#aab0b8", "edgecolors": INK, "linewidths": 0.6}
 _REFERENCE = "#c3c8cf"
 _ALARM = "#d21f1f"
 _WIDTH, _LEFT, _RIGHT, _BOTTOM, _TOP = 8.6, 0.72, 1.25, 0.62, 0.78  # of the figure and its margins [inch]
@@ -39,7 +45,8 @@ _WIDTH, _LEFT, _RIGHT, _BOTTOM, _TOP = 8.6, 0.72, 1.25, 0.62, 0.78  # of the fig
 def draw_tissue(snapshot: Snapshot, path: Path, *, title: str, certified: bool) -> Path:
     """Draw the deformed tissue coloured by X displacement, over a faint outline of the reference state.
 
-    Cells that nothing holds are outlined by dashes. An uncertified result is labelled across the picture.
+    Cells that nothing holds are outlined by dashes, or have an orange lumen where cells are too small for dashes. Lines
+    are thinner, and the picture has more pixels, where cells are many. An uncertified result is labelled.
 
     Parameters
     ----------
@@ -65,11 +72,16 @@ def draw_tissue(snapshot: Snapshot, path: Path, *, title: str, certified: bool) 
     bulk = planar_view(snapshot.bulk)
     deformed = (bulk.points + bulk.point_data["displacement"])[:, :2]
     loops = cell_loops(bulk)
-    figure, axes = canvas(np.vstack([deformed, bulk.points[:, :2]]))
-    _draw_reference(axes, bulk, loops)
-    colours = _draw_bodies(axes, bulk, deformed, loops)
+    at_rest = bulk.points[:, :2]
+    figure, axes, size = canvas(np.vstack([deformed, at_rest]), at_rest, len(np.unique(bulk.cell_data["cell_id"])))
+    line = size.at_most(*_OUTLINE)
+    _draw_reference(axes, bulk, loops, line)
+    free, rigid = _cells_that_are("free", bulk), _cells_that_are("rigid", bulk)
+    colours = _draw_bodies(axes, bulk, deformed, loops, tinted=free if line < _DASHED else set())
     _add_colour_bar(figure, axes, colours)
-    _add_heading(axes, title, snapshot, free=_draw_outlines(axes, bulk, deformed, loops))
+    _draw_outlines(axes, deformed, loops, free, line)
+    _draw_rigid(axes, deformed, [loop for loop in loops if loop.cell_id in rigid])
+    _add_heading(axes, title, snapshot, free=len(free), mark="dashed" if line >= _DASHED else "orange")
     if not certified:
         mark_uncertified(figure)
     return save_png(figure, path)
@@ -103,20 +115,24 @@ def style_axes(axes: Axes) -> None:
     axes.tick_params(colors=INK, labelsize=10, color=SOFT_INK, width=0.8)
 
 
-def canvas(points: NDArray[Any]) -> tuple[Figure, Axes]:
-    """Return a figure and axes in the proportions of these points, shape (points, 2)."""
+def canvas(points: NDArray[Any], at_rest: NDArray[Any], count: int) -> tuple[Figure, Axes, CellSize]:
+    """Return a figure and axes in the proportions of these points, shape (points, 2), and how large a cell is in it.
+
+    The `count` cells have at rest the places `at_rest`, shape (places, 2).
+    """
     from matplotlib.figure import Figure
 
     low, high = _window(points)
-    width, height = (high - low) * (_WIDTH - _LEFT - _RIGHT) / (high - low).max()
-    size = (width + _LEFT + _RIGHT, height + _BOTTOM + _TOP)
-    figure = Figure(figsize=size, dpi=DPI, facecolor="white")
+    inches = float((_WIDTH - _LEFT - _RIGHT) / (high - low).max())
+    width, height = (high - low) * inches
+    size, cell = (width + _LEFT + _RIGHT, height + _BOTTOM + _TOP), CellSize.of(at_rest, count, inches)
+    figure = Figure(figsize=size, dpi=cell.dpi, facecolor="white")
     axes = figure.add_axes((_LEFT / size[0], _BOTTOM / size[1], width / size[0], height / size[1]))
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
     axes.set_xlabel("X", fontsize=11, color=INK)
     axes.set_ylabel("Y", fontsize=11, color=INK, rotation=0, labelpad=10)
     style_axes(axes)
-    return figure, axes
+    return figure, axes, cell
 
 
 def _window(points: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -127,22 +143,26 @@ def _window(points: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
     return middle - span / 2, middle + span / 2
 
 
-def _draw_reference(axes: Axes, bulk: Grid, loops: Iterable[Loop]) -> None:
+def _draw_reference(axes: Axes, bulk: Grid, loops: Iterable[Loop], width: float) -> None:
     from matplotlib.collections import PolyCollection
 
     lines = [bulk.points[loop.points, :2] for loop in loops if loop.outer]
     axes.add_collection(
-        PolyCollection(lines, facecolors="none", edgecolors=_REFERENCE, linewidths=0.6, zorder=1),
+        PolyCollection(lines, facecolors="none", edgecolors=_REFERENCE, linewidths=width, zorder=1),
         autolim=False,
     )
 
 
-def _draw_bodies(axes: Axes, bulk: Grid, deformed: NDArray[Any], loops: Iterable[Loop]) -> TriMesh:
+def _draw_bodies(axes: Axes, bulk: Grid, deformed: NDArray[Any], loops: Iterable[Loop], *, tinted: set[int]) -> TriMesh:
     from matplotlib.collections import PolyCollection
     from matplotlib.tri import Triangulation
 
-    insides = [deformed[loop.points] for loop in loops if loop.outer]
-    axes.add_collection(PolyCollection(insides, facecolors=_LUMEN, linewidths=0, zorder=2), autolim=False)
+    outer = [loop for loop in loops if loop.outer]
+    insides, colours = (
+        [deformed[loop.points] for loop in outer],
+        [_FREE if loop.cell_id in tinted else _LUMEN for loop in outer],
+    )
+    axes.add_collection(PolyCollection(insides, facecolors=colours, linewidths=0, zorder=2), autolim=False)
     x_displacement = np.asarray(bulk.point_data["displacement"])[:, 0]
     low, high = float(x_displacement.min()), float(x_displacement.max())
     if high - low <= 1e-12 * max(abs(low), abs(high)):
@@ -154,19 +174,33 @@ def _draw_bodies(axes: Axes, bulk: Grid, deformed: NDArray[Any], loops: Iterable
     )  # fmt: skip
 
 
-def _draw_outlines(axes: Axes, bulk: Grid, deformed: NDArray[Any], loops: Iterable[Loop]) -> int:
-    """Outline every cell, those held by nothing by dashes; return the number of these."""
+def _cells_that_are(what: str, bulk: Grid) -> set[int]:
+    """Return the bodies that this field marks by 1."""
+    marked = np.asarray(bulk.cell_data.get(what, np.zeros(len(bulk.cells)))) == 1
+    return set(np.asarray(bulk.cell_data["cell_id"])[marked].tolist())
+
+
+def _draw_rigid(axes: Axes, deformed: NDArray[Any], loops: Iterable[Loop]) -> None:
+    """Fill rigid bodies, which are shells for the solver only, and say what they are."""
     from matplotlib.collections import PolyCollection
 
-    held = np.asarray(bulk.cell_data.get("free", np.zeros(len(bulk.cells)))) == 0
-    free = set(np.asarray(bulk.cell_data["cell_id"])[~held].tolist())
+    outlines = [deformed[loop.points] for loop in loops if loop.outer]
+    axes.add_collection(PolyCollection(outlines, zorder=5, **RIGID), autolim=False)
+    for outline in outlines:
+        x, y = (outline.min(0) + outline.max(0)) / 2
+        axes.text(x, y, "rigid", ha="center", va="center", fontsize=8, color=INK, zorder=6)
+
+
+def _draw_outlines(axes: Axes, deformed: NDArray[Any], loops: Iterable[Loop], free: set[int], width: float) -> None:
+    """Outline every cell, those held by nothing by dashes."""
+    from matplotlib.collections import PolyCollection
+
     for dashed, style in ((False, "solid"), (True, (0, (2.2, 1.6)))):
         lines = [deformed[loop.points] for loop in loops if (loop.cell_id in free) == dashed]
         axes.add_collection(
-            PolyCollection(lines, facecolors="none", edgecolors=INK, linewidths=0.6, linestyles=[style], zorder=4),
+            PolyCollection(lines, facecolors="none", edgecolors=INK, linewidths=width, linestyles=[style], zorder=4),
             autolim=False,
         )
-    return len(free)
 
 
 def _add_colour_bar(figure: Figure, axes: Axes, colours: TriMesh) -> None:
@@ -179,13 +213,13 @@ def _add_colour_bar(figure: Figure, axes: Axes, colours: TriMesh) -> None:
     bar.outline.set(edgecolor=SOFT_INK, linewidth=0.8)
 
 
-def _add_heading(axes: Axes, title: str, snapshot: Snapshot, *, free: int) -> None:
+def _add_heading(axes: Axes, title: str, snapshot: Snapshot, *, free: int, mark: str) -> None:
     facts = [
         f"plate displacement {snapshot.plate_displacement:.4g}",
         f"load factor {snapshot.load_factor:.4g}",
     ]
     if free:
-        facts.append(f"dashed: {free} {'cell' if free == 1 else 'cells'} held by nothing")
+        facts.append(f"{mark}: {free} {'cell' if free == 1 else 'cells'} held by nothing")
     heading = partial(axes.annotate, xycoords="axes fraction", textcoords="offset points")
     heading(title, (0, 1), (0, 26), fontsize=13, fontweight="bold", color=INK)
     heading(" · ".join(facts), (0, 1), (0, 10), fontsize=10, color=NOTE_INK)

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ngcell.export.cell_size import DPI
 from ngcell.export.curves import load_axis
-from ngcell.export.picture import DPI, INK, save_png, style_axes
+from ngcell.export.picture import INK, save_png, style_axes
 from ngcell.results.spread import Member, Spread, numbers_of
 
 if TYPE_CHECKING:

@@ -41,6 +41,8 @@ class Tie:
 
 def coincident_facets(walls: Surface) -> Index:
     """Return the pairs of facets of different bodies that coincide in the reference state, shape (pairs, 2)."""
+    if not walls.facet_count:
+        return np.zeros((0, 2), dtype=np.int64)
     one, two = near_pairs(walls.centres(walls.rest), COINCIDENCE * walls.sizes.min())
     _, apart = _matched(walls, one, two)
     same = (walls.body[one] != walls.body[two]) & (apart < COINCIDENCE * walls.sizes[one])

@@ -69,7 +69,7 @@ def _fields(grid: Grid, where: str, axes: str) -> Iterator[Field]:
         elif np.ndim(values) == 1:
             yield Field(name, _TITLES.get(name, _words(name)), where, np.asarray(values, dtype=float))
     for name, values in grid.cell_data.items():
-        if name not in ("cell_id", "free") and np.ndim(values) == 1:
+        if name not in ("cell_id", "free", "rigid") and np.ndim(values) == 1:
             at_points = np.full(len(grid.points), np.nan)
             at_points[grid.cells] = np.asarray(values, dtype=float)[:, None]
             yield Field(name, _TITLES.get(name, _words(name)), where, at_points)

@@ -29,6 +29,7 @@ class Part:
     pictures: Sequence[Picture] = ()
     asked: Sequence[tuple[str, str]] = ()
     figures_first: bool = False
+    pictured: str = ""
 
 
 def comparison(runs: Sequence[RunFolder]) -> Part:

@@ -12,6 +12,8 @@ from ngcell.errors import OutputError
 from ngcell.export.summary import MEMBERS, SUMMARY, read_summary
 from ngcell.report.run_folder import RunFolder, read_run
 
+#: Rows of a table, by the names of its columns.
+Rows = Sequence[Mapping[str, str]]
 #: The table of a sweep, one row for each run and level.
 SWEEP_TABLE = "sweep.csv"
 
@@ -46,7 +48,7 @@ class Source:
     certified: bool
     runs: list[RunFolder] = field(default_factory=list)
     summary: Mapping[str, Any] = field(default_factory=dict)
-    rows: Sequence[Mapping[str, str]] = ()
+    rows: Rows = ()
     unread: list[str] = field(default_factory=list)
 
 

@@ -115,6 +115,8 @@ def wall_triangles(grid: Grid) -> Index:
 def wall_lines(grid: Grid) -> Index:
     """Return the ends of lines that make up walls in the plane, shape (lines, 2)."""
     cells = grid.cells
+    if not len(cells):  # nothing that may be touched
+        return np.zeros((0, 2), dtype=np.int64)
     if cells.shape[1] == 3:  # two corners and the node between them
         return np.concatenate([cells[:, [0, 2]], cells[:, [2, 1]]])
     if cells.shape[1] == 2:

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING
 
 from ngcell.report.charts import Figure, draw_points, svg_of
 from ngcell.report.overall import Part
+from ngcell.report.pictures import pictures_of_cases
 from ngcell.report.rows import Row, Table, columns_of, value_of
-from ngcell.report.sources import SWEEP_TABLE, Source
+from ngcell.report.sources import SWEEP_TABLE, Rows, Source
 from ngcell.report.view import Verdict, asked
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-Rows = Sequence[Mapping[str, str]]
 
 #: Columns between which the keys of the axes stand.
 _BEFORE, _AFTER = "case", "level"
@@ -32,6 +31,7 @@ def sweep_part(source: Source, key: str) -> Part:
     rows, names = source.rows, [name for name in (source.rows[0] if source.rows else ()) if name not in _NOT_SHOWN]
     refused = not source.certified
     last = list({row.get("case", ""): row for row in rows}.values())
+    pictures = list(pictures_of_cases(source, last, axes_of(names)))
     return Part(
         key=key,
         title="Sweep",
@@ -42,6 +42,8 @@ def sweep_part(source: Source, key: str) -> Part:
         tables=[_table(rows, last, names, key)] if rows else [],
         asked=list(asked(source.summary.get("study") or {})),
         figures_first=True,
+        pictures=pictures,
+        pictured=f"Tissues of {len(pictures)} of {len(last)} cases at the last level that they reached",
     )
 
 

@@ -34,6 +34,8 @@ class Layout:
         Regions that may touch another body.
     support_names : tuple of str
         Regions that are held or moved.
+    rigid_count : int
+        Number of rigid bodies, which are the last ones; each is a shell, whose elements begin with their outer edge.
     """
 
     elements: list[Array]
@@ -42,6 +44,7 @@ class Layout:
     edges: dict[str, Array]
     wall_names: tuple[str, ...]
     support_names: tuple[str, ...]
+    rigid_count: int = 0
 
 
 def layout_of(bodies: BodyMesh, supports: Sequence[str]) -> Layout:
@@ -67,6 +70,7 @@ def layout_of(bodies: BodyMesh, supports: Sequence[str]) -> Layout:
         edges={name: points[ends] for name, ends in edges.items()},
         wall_names=_named(edges, [bodies.wall_names]),
         support_names=_named(edges, supports),
+        rigid_count=bodies.rigid_count,
     )
 
 

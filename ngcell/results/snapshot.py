@@ -64,7 +64,8 @@ class Snapshot:
         The bodies. `point_data`: `displacement` (points, 3) [length], `J` (points,) [1] > 0, `cauchy_stress`
         (points, 9) [stress] by rows, `von_mises` (points,) [stress] >= 0. `cell_data`: `cell_id` (cells,),
         the tissue cell that the finite element belongs to, `free` (cells,), 1 where that tissue cell is
-        held by nothing, and, unless lumens are empty, the pressure in them `cell_pressure` (cells,) [stress].
+        held by nothing, where there are rigid bodies `rigid` (cells,), 1 in them, and, unless lumens are empty,
+        the pressure in them `cell_pressure` (cells,) [stress].
     walls : Grid
         The walls that may be in contact: edges in 2-D, facets in 3-D. `point_data`: `displacement` (points, 3)
         [length], `gap` (points,) [length], open > 0, `contact_pressure` (points,) [stress] >= 0. `cell_data`:

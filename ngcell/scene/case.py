@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import isclose
 from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, Field, Strict, ValidationInfo, field_validator, model_validator
+from pydantic import Field, Strict, ValidationInfo, field_validator, model_validator
 
 from ngcell.scene.accuracy import DEFAULT_ACCURACY, Accuracy
 from ngcell.scene.choice import OneOf
@@ -13,7 +13,7 @@ from ngcell.scene.expected import Expected
 from ngcell.scene.mesh import MeshChoice
 from ngcell.scene.registry import default_of
 from ngcell.scene.scope import in_scope, refuse
-from ngcell.scene.section import SECTION
+from ngcell.scene.section import Section
 
 #: Parts of a case that the registry knows the kinds of, or, from Python, objects that offer the same.
 Tissue = Annotated[Any, OneOf("tissue")]
@@ -30,7 +30,7 @@ def _default(group: str) -> Any:
     return Field(default_factory=lambda: default_of(group))
 
 
-class Case(BaseModel):
+class Case(Section):
     """One scene, how it is loaded and how it is to be solved.
 
     Lengths are in the unit of the cells' side, stresses in the unit of the material's constants; every
@@ -66,8 +66,6 @@ class Case(BaseModel):
     expected : tuple of Expected
         Numbers that the case is held to.
     """
-
-    model_config = SECTION
 
     title: str = ""
     source: str = ""

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from math import isclose
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, Field, Strict, ValidationInfo, field_validator
+from pydantic import Field, Strict, ValidationInfo, field_validator
 
 from ngcell.errors import CaseError
 from ngcell.scene.accuracy import DEFAULT_ACCURACY, Accuracy
@@ -19,10 +19,10 @@ from ngcell.scene.levels import Levels, level_factors
 from ngcell.scene.mesh import BodyMeshChoice
 from ngcell.scene.registry import default_of
 from ngcell.scene.scope import in_scope, refuse
-from ngcell.scene.section import SECTION, Name, PlanarVector, PositiveCount
+from ngcell.scene.section import Name, PlanarVector, PositiveCount, Section
 
 
-class SupportEntry(BaseModel):
+class SupportEntry(Section):
     """A boundary whose displacement is ``load_factor * (gradient @ X + translation)`` at the reference position X.
 
     Parameters
@@ -36,8 +36,6 @@ class SupportEntry(BaseModel):
     components : {"xy", "x", "y"}
         Which components are prescribed; the others are free. Where supports meet, the later one counts.
     """
-
-    model_config = SECTION
 
     boundary: Name
     gradient: Annotated[tuple[PlanarVector, PlanarVector], Strict(False)] = ((0.0, 0.0), (0.0, 0.0))
@@ -56,7 +54,7 @@ UserBody = Annotated[Any, OneOf("body")]
 AppliedLoad = Annotated[Any, OneOf("body-load")]
 
 
-class BodyCase(BaseModel):
+class BodyCase(Section):
     """User-defined bodies, how they are held and loaded, and how that is to be solved.
 
     Lengths are in the unit of the bodies' dimensions, stresses in the unit of the materials' constants; every other
@@ -95,8 +93,6 @@ class BodyCase(BaseModel):
     expected : tuple of BodyExpected
         Numbers that the case is held to.
     """
-
-    model_config = SECTION
 
     title: str = ""
     source: str = ""

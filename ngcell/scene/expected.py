@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, Field, Strict, model_validator
+from pydantic import Field, Strict, model_validator
 from pydantic_core import PydanticCustomError
 
-from ngcell.scene.section import SECTION, PositiveNumber
+from ngcell.scene.section import PositiveNumber, Section
 
 #: The measured columns of `history.csv`; counts of iterations and times are no property of a scene.
 Quantity = Literal[
@@ -46,7 +46,7 @@ ROUND = ("mean_radius",)
 SUPPORTED = ("force_x", "force_y")
 
 
-class Expected(BaseModel):
+class Expected(Section):
     """One expected number, its tolerance and where it comes from.
 
     Parameters
@@ -63,8 +63,6 @@ class Expected(BaseModel):
         Where the number comes from, not empty.
     """
 
-    model_config = SECTION
-
     level: Annotated[float, Field(ge=0, le=1)]
     quantity: Quantity
     value: float
@@ -77,7 +75,7 @@ class Expected(BaseModel):
         return ""
 
 
-class BodyExpected(BaseModel):
+class BodyExpected(Section):
     """One expected number of user-defined bodies, its tolerance and where it comes from.
 
     Parameters
@@ -99,8 +97,6 @@ class BodyExpected(BaseModel):
     origin : str
         Where the number comes from, not empty.
     """
-
-    model_config = SECTION
 
     quantity: BodyQuantity
     boundary: str | None = None

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel
 
 from ngcell.errors import CaseError
 from ngcell.scene.bodies import BodyScene
@@ -122,6 +122,6 @@ def _checked(kind: Any, values: dict[str, Any]) -> Any:
     """Return a tissue with these values."""
     try:
         return kind(**values)
-    except ValidationError as error:
-        wrong = "; ".join(f"{'.'.join(('tissue', *map(str, one['loc'])))}: {one['msg']}" for one in error.errors())
-        raise CaseError(f"member of seed {values['seed']}: {wrong}") from None
+    except CaseError as error:
+        wrong = "; ".join(line.partition(": ")[2] for line in str(error).splitlines())
+        raise CaseError(f"member of seed {values['seed']}: tissue: {wrong}") from None

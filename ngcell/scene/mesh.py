@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from pydantic import BaseModel, Field, Strict, ValidationInfo, field_validator
+from pydantic import Field, Strict, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
 from ngcell.scene.scope import only_for_prisms
-from ngcell.scene.section import SECTION, PlanarVector, PositiveCount, PositiveNumber
+from ngcell.scene.section import PlanarVector, PositiveCount, PositiveNumber, Section
 
 #: A refinement with more elements across than this is a typing error.
 MOST_ACROSS = 1000
@@ -20,7 +20,7 @@ PLAIN_BODY_ORDER = 2
 Order = Annotated[int, Field(ge=1, le=HIGHEST_ORDER)]
 
 
-class MeshChoice(BaseModel):
+class MeshChoice(Section):
     """Order and size of the finite elements of a tissue.
 
     Parameters
@@ -39,8 +39,6 @@ class MeshChoice(BaseModel):
         where an order is given.
     """
 
-    model_config = SECTION
-
     order: Order | None = None
     size: PositiveNumber | None = None
     layers: PositiveCount | None = None
@@ -57,7 +55,7 @@ class MeshChoice(BaseModel):
         only_for_prisms(self, scene, "slices")
 
 
-class Refinement(BaseModel):
+class Refinement(Section):
     """Smaller elements around a point, growing with the distance from there.
 
     Parameters
@@ -69,8 +67,6 @@ class Refinement(BaseModel):
     size : float
         Largest length of an element's edge in it [length], > 0 and at least `within` over 1000.
     """
-
-    model_config = SECTION
 
     at: PlanarVector
     within: PositiveNumber
@@ -87,7 +83,7 @@ class Refinement(BaseModel):
         return size
 
 
-class BodyMeshChoice(BaseModel):
+class BodyMeshChoice(Section):
     """Order and size of the finite elements of user-defined bodies.
 
     Parameters
@@ -100,8 +96,6 @@ class BodyMeshChoice(BaseModel):
     refine : tuple of Refinement
         Where elements are smaller.
     """
-
-    model_config = SECTION
 
     order: Order | None = None
     size: PositiveNumber | None = None

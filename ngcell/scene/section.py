@@ -1,11 +1,15 @@
-"""What every table of a case shares: its strictness and its number types."""
+"""What every table of a case shares: its strictness, its number types, and how it refuses values in a script."""
 
 from __future__ import annotations
 
+from difflib import get_close_matches
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import AfterValidator, ConfigDict, Field, Strict
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, ValidationError
+from pydantic_core import ErrorDetails
+
+from ngcell.errors import CaseError
 
 #: Frozen, without unknown keys; a number is a number (never a string or a boolean) and finite.
 SECTION = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
@@ -15,9 +19,64 @@ NonNegativeNumber = Annotated[float, Field(ge=0)]
 PositiveCount = Annotated[int, Field(ge=1)]
 #: A name that may become part of a region's name, where other signs would have a meaning of their own.
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]+$")]
+_OF_NAMES = "letters, digits, _ and -"
 
 #: A file, as its absolute path: what a case says is relative to the case file, see `ngcell.scene.inheritance`.
 FilePath = Annotated[str, Field(min_length=1), AfterValidator(lambda text: str(Path(text).absolute()))]
 
 #: Two numbers along x and y. TOML knows lists, not tuples: the outer shape is lax, the numbers stay strict.
 PlanarVector = Annotated[tuple[float, float], Strict(False)]
+
+_LONGEST_VALUE = 60
+#: How the validating library begins what it says of a value.
+_BEGINS = ("Input should be ", "Value error, ", "Value should be ", "Assertion failed, ")
+
+
+class Section(BaseModel):
+    """A table of a case, which a script makes by keywords.
+
+    Raises
+    ------
+    CaseError
+        In a script: a value is not allowed; one line for each mistake. Where a case file is read, the reader tells it,
+        with the line of the file.
+    """
+
+    model_config = SECTION
+
+    def __init__(self, /, **values: Any) -> None:
+        try:
+            super().__init__(**values)
+        except ValidationError as error:
+            lines = dict.fromkeys(_complaint(type(self), detail) for detail in error.errors())
+            raise CaseError("\n".join(lines)) from None
+
+    # With this mark the library does not call `__init__` for tables of files: their mistakes are told by the reader.
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
+
+def _complaint(section: type[BaseModel], detail: ErrorDetails) -> str:
+    """Return what is wrong with a keyword, its value, and what is allowed."""
+    place, known = ".".join(map(str, detail["loc"])), [*section.model_fields]
+    if detail["type"] == "missing" and len(detail["loc"]) == 1:
+        return f"{section.__name__}: {place} is missing; allowed: {_keywords(section)}"
+    if detail["type"] == "extra_forbidden" and len(detail["loc"]) == 1:
+        near = get_close_matches(place, known, n=1)
+        meant = f"; did you mean {near[0]}?" if near else ""
+        return f"{section.__name__}: {place} is unknown{meant}; allowed: {_keywords(section)}"
+    words = _OF_NAMES if detail["type"] == "string_pattern_mismatch" else detail["msg"]
+    for begin in _BEGINS:
+        words = words.removeprefix(begin)
+    if not detail["loc"]:
+        return f"{section.__name__}: {words}"
+    words = words.rpartition("allowed: ")[2]
+    value = repr(detail["input"])
+    value = value if len(value) <= _LONGEST_VALUE else value[:_LONGEST_VALUE] + "..."
+    return f"{section.__name__}: {place} is {value}; allowed: {words}"
+
+
+def _keywords(section: type[BaseModel]) -> str:
+    """Return the keywords of a section, those that it needs first."""
+    needed = [name for name, entry in section.model_fields.items() if entry.is_required()]
+    others = [name for name, entry in section.model_fields.items() if not entry.is_required() and name != "kind"]
+    return ", ".join([*(f"{name} (needed)" for name in needed), *others])

@@ -11,7 +11,7 @@ from pydantic import BaseModel, BeforeValidator, Strict, ValidationInfo, field_v
 from ngcell.scene.choice import OneOf
 from ngcell.scene.dotted import flattened, joined, key_path
 from ngcell.scene.scope import refuse
-from ngcell.scene.section import SECTION, PositiveNumber
+from ngcell.scene.section import PositiveNumber, Section
 
 Axis = Annotated[Any, OneOf("axis")]
 _TRUNK = "key of the case, as in tissue.wall"
@@ -33,7 +33,7 @@ def _is_axis(name: str, table: Mapping[str, Any]) -> bool:
     return "kind" in table or not all(isinstance(value, (Mapping, list, tuple, BaseModel)) for value in table.values())
 
 
-class Study(BaseModel):
+class Study(Section):
     """Runs of one case along axes: every combination of a point of each axis is a run.
 
     Parameters
@@ -51,8 +51,6 @@ class Study(BaseModel):
     minutes : float, optional
         Time on the clock after which a run ends, > 0; by default it takes as long as it needs.
     """
-
-    model_config = SECTION
 
     case: Annotated[str, BeforeValidator(lambda case: str(case) if isinstance(case, Path) else case)]
     title: str = ""

@@ -5,20 +5,18 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, Field, Strict, ValidationInfo, field_validator
+from pydantic import Field, Strict, ValidationInfo, field_validator
 
 from ngcell.scene.scope import refuse
-from ngcell.scene.section import SECTION, PositiveCount, PositiveNumber
+from ngcell.scene.section import PositiveCount, PositiveNumber, Section
 from ngcell.sweeps.axis import Point
 
 Number = int | float
 Seed = Annotated[int, Field(ge=0)]
 
 
-class OverOneKey(BaseModel):
+class OverOneKey(Section):
     """An axis whose name is the key that varies."""
-
-    model_config = SECTION
 
     def keys(self, name: str) -> tuple[str, ...]:
         """Return the dotted key that varies along the axis of this name."""
@@ -94,7 +92,7 @@ class LogRange(OverOneKey):
         return tuple((value,) for value in np.geomspace(self.start, self.stop, self.number).tolist())
 
 
-class Interval(BaseModel):
+class Interval(Section):
     """Where numbers are drawn from.
 
     Parameters
@@ -104,8 +102,6 @@ class Interval(BaseModel):
     scale : {"uniform", "log"}
         Whether the numbers, or their logarithms, are spread evenly.
     """
-
-    model_config = SECTION
 
     scale: Literal["uniform", "log"] = "uniform"
     low: float

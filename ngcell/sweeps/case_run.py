@@ -28,6 +28,7 @@ from ngcell.scene import AnyCase, read_case
 from ngcell.solve.outcome import Outcome
 from ngcell.sweeps.ending import Ending
 from ngcell.sweeps.identity import content_key, own_version
+from ngcell.sweeps.pictures import picture_of
 from ngcell.sweeps.store import Result
 from ngcell.sweeps.task import OTHER_CODE, RESULT, Task
 
@@ -88,7 +89,9 @@ def _ended(task: Task, folder: Path) -> Result:
         recording = record(case, folder / "run", threads=1, max_minutes=task.minutes, pictures=False)
         with suppress(NotConverged):
             history.extend(recording)
-        return _result(_ending(recording.outcome), recording.outcome, case, history, recording.summary)
+        found = _result(_ending(recording.outcome), recording.outcome, case, history, recording.summary)
+        picture = picture_of(folder / "run", certified=recording.certified) if task.picture else None
+        return found if picture is None else {**found, "picture": picture}
     except Exception as error:  # noqa: BLE001 - one run that fails must not end the others
         told = str(error) if isinstance(error, NgcellError) else f"{type(error).__name__}: {error}"
         return _result(_ending_by(error), told, case)

@@ -13,6 +13,7 @@ import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from math import inf
 from typing import Any
 from uuid import uuid4
 
@@ -20,6 +21,7 @@ from ngcell.errors import OutputError
 from ngcell.recording import available_cores
 from ngcell.sweeps.ending import Ending
 from ngcell.sweeps.extra import needed
+from ngcell.sweeps.patience import next_ended
 from ngcell.sweeps.store import Result
 from ngcell.sweeps.task import OTHER_CODE, Task
 from ngcell.sweeps.worker import died
@@ -99,7 +101,9 @@ def waiting_on(scheduler: str | None) -> int:
     return 0 if scheduler is None else _WAITING
 
 
-def finished(tasks: Iterable[Task], client: Any, function: Function, waiting: int) -> Iterator[Result]:
+def finished(
+    tasks: Iterable[Task], client: Any, function: Function, waiting: int, minutes: float = inf
+) -> Iterator[Result]:
     """Yield the result of each task as it ends; one whose process dies is tried once more.
 
     Parameters
@@ -112,11 +116,13 @@ def finished(tasks: Iterable[Task], client: Any, function: Function, waiting: in
         What a worker does with a task.
     waiting : int
         Tasks on their way besides one for each thread of the workers.
+    minutes : float
+        Time that the cluster may be without a worker, > 0.
 
     Raises
     ------
     OutputError
-        The scheduler is gone, or a worker would compute something else.
+        The scheduler is gone, there was no worker for that time, or a worker would compute something else.
     """
     distributed, left, sweep = needed("distributed"), iter(tasks), uuid4().hex[:8]
     tried: dict[str, Task] = {}
@@ -136,7 +142,7 @@ def finished(tasks: Iterable[Task], client: Any, function: Function, waiting: in
 
     fill()
     while tried:
-        future = next(running)
+        future = next_ended(running, client, minutes)
         task = tried.pop(future.key)
         result = _result_of(future, task)
         future.release()

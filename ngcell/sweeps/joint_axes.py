@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, Field, field_validator
+from pydantic import BeforeValidator, Field, field_validator
 
 from ngcell.scene.dotted import flattened
 from ngcell.scene.scope import refuse
-from ngcell.scene.section import SECTION, PositiveCount
+from ngcell.scene.section import PositiveCount, Section
 from ngcell.sweeps.axes import Interval, Seed
 from ngcell.sweeps.axis import Point
 
 
-class Zip(BaseModel):
+class Zip(Section):
     """Lists of values that are taken together: the first of each, the second of each, and so on.
 
     Parameters
@@ -21,8 +21,6 @@ class Zip(BaseModel):
     values : table
         A list for each dotted key, all of one length.
     """
-
-    model_config = SECTION
 
     kind: Literal["zip"] = "zip"
     values: Annotated[dict[str, list[Any]], BeforeValidator(flattened)]
@@ -60,7 +58,7 @@ def _by_key(table: Any) -> Any:
             for key, value in found.items()}  # fmt: skip
 
 
-class LatinHypercube(BaseModel):
+class LatinHypercube(Section):
     """Points of a Latin hypercube: each key has one value in each of as many equal parts of its interval.
 
     Parameters
@@ -72,8 +70,6 @@ class LatinHypercube(BaseModel):
     seed : int
         Seed of the generator, >= 0.
     """
-
-    model_config = SECTION
 
     kind: Literal["latin-hypercube"] = "latin-hypercube"
     over: Annotated[dict[str, Interval], BeforeValidator(_by_key), Field(min_length=1)]

@@ -18,17 +18,18 @@ from ngcell.scene import resolved_toml
 from ngcell.scene.study import Study
 from ngcell.scene.study_reader import WrittenStudy, read_study
 from ngcell.sweeps.cases import Cases
-from ngcell.sweeps.driver import Function, connected, finished, threads_of, waiting_on
+from ngcell.sweeps.driver import connected, finished, threads_of, waiting_on
 from ngcell.sweeps.ending import Ending
 from ngcell.sweeps.extra import needed
 from ngcell.sweeps.foresee import Costs, Outlook, outlook
 from ngcell.sweeps.identity import content_key
+from ngcell.sweeps.options import SweepOptions
 from ngcell.sweeps.outputs import outputs_of
 from ngcell.sweeps.pace import Left, Pace
+from ngcell.sweeps.pictures import Pictures, pictured
 from ngcell.sweeps.store import Result, Store
 from ngcell.sweeps.table import Row, Table, read_table, refused
 from ngcell.sweeps.task import Task
-from ngcell.sweeps.worker import run_task
 
 #: What is asked, or the file that says it.
 Asked = Study | WrittenStudy | str | Path
@@ -38,31 +39,6 @@ SWEEP = "sweep"
 #: Runs in the store that times are told from.
 _SAMPLE = 200
 _LIBRARIES = ("distributed", "pandas", "pyarrow")
-
-
-@dataclass(frozen=True)
-class SweepOptions:
-    """Where a sweep runs; no number of its table depends on it.
-
-    Attributes
-    ----------
-    store : Path, optional
-        Folder of results, which sweeps may share; by default `store` in the folder of the sweep.
-    scheduler : str, optional
-        Address of a Dask scheduler, as ``tcp://host:8786``; by default a cluster on this machine is started.
-    workers : int, optional
-        Processes of that cluster, by default one for each core.
-    memory : float, optional
-        Memory that a run may take [GiB].
-    function : callable
-        What a worker does with a task.
-    """
-
-    store: Path | None = None
-    scheduler: str | None = None
-    workers: int | None = None
-    memory: float | None = None
-    function: Function = run_task
 
 
 @dataclass(frozen=True)
@@ -170,8 +146,8 @@ class Sweep:
         """
         started, pace = monotonic(), Pace(sum(self.costs.seconds[number] for number in waiting.values()))
         pace.threads = threads_of(client)
-        ahead = waiting_on(self.options.scheduler)
-        for result in finished(self._tasks(waiting, store), client, self.options.function, ahead):
+        ahead, how = waiting_on(self.options.scheduler), self.options
+        for result in finished(self._tasks(waiting, store), client, how.function, ahead, how.wait):
             store.write(result)
             self.computed += 1
             number = waiting.pop(result["key"])
@@ -214,20 +190,23 @@ class Sweep:
         They come in any order: those that have run tell how long the others take, and of two sweeps that share a store
         each meets what the other has run.
         """
+        shown = pictured([number for number, known in enumerate(self._keys) if known], self.options.pictures)
         for key, number in sample(list(waiting.items()), len(waiting)):
             if store.holds(key):
                 del waiting[key]
                 self.reused += 1
             else:
-                text = resolved_toml(self.cases.case(number))
-                yield Task(key, text, self.written.study.minutes, self.options.memory)
+                text, minutes = resolved_toml(self.cases.case(number)), self.written.study.minutes
+                yield Task(key, text, minutes, self.options.memory, picture=number in shown)
 
     def _rows(self, store: Store) -> Iterator[Row]:
         self.outcomes.clear()
+        pictures = Pictures(self.out)
         for number, key in enumerate(self._keys):
             result = store.read(key) if key else refused(self.refused[number])
             if result is not None:
                 self.outcomes[result["outcome"]] += 1
+                pictures.keep(number, result)
                 yield from self._table.rows(number, self.cases.values(number), result)
 
     def _check_ours(self) -> None:
@@ -266,6 +245,8 @@ def sweep(
     scheduler: str | None = None,
     workers: int | None = None,
     memory: float | None = None,
+    pictures: int = 24,
+    wait: float = 60.0,
 ) -> Any:
     """Run what is missing of a study, and return its table (pandas).
 
@@ -275,15 +256,15 @@ def sweep(
         What is asked, or its file.
     out : str or Path
         The folder of the table, and of the results unless `store` names another one.
-    store, scheduler, workers, memory
-        As for `ngcell.sweeps.sweep.SweepOptions`.
+    store, scheduler, workers, memory, pictures, wait
+        As for `ngcell.sweeps.options.SweepOptions`.
 
     Returns
     -------
     pandas.DataFrame
         A row for each run and level, those of runs that failed included; `ngcell.table_to_xarray` shows it on the axes.
     """
-    runs = Sweep(study, Path(out), SweepOptions(store, scheduler, workers, memory))
+    runs = Sweep(study, Path(out), SweepOptions(store, scheduler, workers, memory, pictures=pictures, wait=wait))
     for _ in runs:
         pass
     return runs.table()

@@ -29,6 +29,8 @@ class Task:
         Memory that its process may take besides its libraries [GiB].
     attempt : int
         How often it has been tried, this time included.
+    picture : bool
+        Whether a small picture of its tissue is drawn.
     """
 
     key: str
@@ -36,3 +38,4 @@ class Task:
     minutes: float | None = None
     memory: float | None = None
     attempt: int = 1
+    picture: bool = False

@@ -15,6 +15,7 @@ import ngcell as package
 from ngcell import export
 from ngcell.cli import ngcell
 from ngcell.errors import GeometryError
+from ngcell.scene import read_case
 from tests.cli.conftest import FakeRun, accepted_step
 
 
@@ -98,6 +99,16 @@ def test_every_verb_has_help() -> None:
         answer = CliRunner().invoke(ngcell, [name, "--help"])
         assert answer.exit_code == 0
         assert isinstance(verb, click.Command) and verb.help
+
+
+def test_help_begins_with_a_first_run_and_names_each_verb_in_full() -> None:
+    lines = CliRunner().invoke(ngcell, ["--help"]).stdout.splitlines()
+    (first,) = (line.strip() for line in lines if line.strip().startswith("ngcell solve"))
+    verb, *words = first.split()[1:]
+    options = dict(ngcell.commands[verb].make_parser(click.Context(ngcell.commands[verb])).parse_args(args=words)[0])
+    assert read_case(str(options["case"]), options["overrides"]).title
+    told = lines[lines.index("Commands:") + 1 :]
+    assert len(told) == len(ngcell.commands) and all(line.endswith(".") and "..." not in line for line in told)
 
 
 def test_live_line_on_a_terminal(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

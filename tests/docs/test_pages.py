@@ -74,6 +74,6 @@ def test_a_tissue_is_refused_in_the_words_of_the_page(width: float, told: str, t
     lefts = (0.0, width)
     rings = (f"{x} 0, {x + 1} 0, {x + 1} 1, {x} 1, {x} 0" for x in lefts)
     (tmp_path / "cells.wkt").write_text("\n".join(f"POLYGON (({ring}))" for ring in rings))
-    with pytest.raises(ValueError, match=told):
+    with pytest.raises(ngcell.CaseError, match=told):
         ngcell.Polygons(file=str(tmp_path / "cells.wkt"), wall=0.6 if width == 1 else 0.1)
     assert all(part in (DOCS / "how-to" / "own-polygons.md").read_text() for part in told.split(" its lumen, or "))

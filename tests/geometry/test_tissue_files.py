@@ -95,7 +95,7 @@ def test_polygons_of_hexagons_are_the_honeycomb(tmp_path):
 def test_corners_that_miss_each_other_are_snapped(tmp_path):
     file = tmp_path / "cells.csv"
     file.write_text(table([SQUARE, [(1.003, 2.004), (2.996, 2), (3, 4), (1, 4)]]))
-    with pytest.raises(ValueError, match="cell 0 and cell 1 have a gap of 0.00.*allowed: walls that touch to|overlap"):
+    with pytest.raises(CaseError, match="cell 0 and cell 1 have a gap of 0.00.*allowed: walls that touch to|overlap"):
         Polygons(file=str(file), wall=0.1)
     outlines = Polygons(file=str(file), wall=0.1, snap=0.01).outlines
     assert (outlines.twins >= 0).sum() == 2

@@ -8,10 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
+from matplotlib.colors import to_rgb
+from matplotlib.image import imread
 
 from ngcell import Case, CaseError, Indenter, read_case, record, simulate
 from ngcell.build.discretisation import discretise
 from ngcell.build.reported import Step
+from ngcell.export import draw_tissue
 from ngcell.geometry.bodies import INDENTER, LEFT_SIDE, LOWER_PLATE, RIGHT_SIDE
 from ngcell.run import draw_layout
 
@@ -131,9 +134,28 @@ def test_prisms_are_refused():
 
 
 def test_the_indenter_is_drawn_and_recorded_beside_the_cells(tmp_path):
-    scene = case({**SHAPES["wedge"], "levels": 1}, observables=[{"kind": "rotation"}])
+    breakable = {**MATERIAL, "strength": 100.0}
+    scene = case({**SHAPES["wedge"], "levels": 1}, observables=[{"kind": "rotation"}], material=breakable)
     assert draw_layout(scene, tmp_path / "layout.png").stat().st_size > 10_000
     list(record(scene, tmp_path / "run", threads=1))
     rows = (tmp_path / "run" / "cells.csv").read_text().splitlines()
     assert len(rows) == 1 + 4
-    assert (tmp_path / "run" / "tissue.png").is_file()
+    assert all((tmp_path / "run" / name).is_file() for name in ("tissue.png", "debonding.png"))
+
+
+def test_the_indenter_is_filled_as_rigid_and_nothing_seems_to_hold_the_upper_side(tmp_path, monkeypatch):
+    from matplotlib.axes import Axes
+
+    words: list[str] = []
+    monkeypatch.setattr(Axes, "text", lambda self, x, y, said, **_: words.append(said))
+    scene = case({**SHAPES["wedge"], "levels": 1})
+    layout = imread(draw_layout(scene, tmp_path / "layout.png"))
+    assert words == ["0", "1", "2", "3", "rigid"]
+    words.clear()
+    *_, last = simulate(scene)
+    assert set(np.unique(last.snapshot.bulk.cell_data["rigid"])) == {0, 1}
+    tissue = imread(draw_tissue(last.snapshot, tmp_path / "tissue.png", title="", certified=True))
+    assert words.count("rigid") == 1
+    for picture in (layout, tissue):
+        grey = np.abs(picture[..., :3] - to_rgb("#aab0b8")).max(2) < 0.02
+        assert grey.mean() > 0.02

@@ -17,6 +17,7 @@ from ngcell.cli import ngcell
 from ngcell.errors import OutputError
 from ngcell.export import write_summary
 from ngcell.report import page as page_module
+from ngcell.report import pictures as pictures_module
 from ngcell.report import write_report
 from ngcell.report.charts import figures_of
 from ngcell.report.player import player_of
@@ -206,6 +207,23 @@ def test_a_sweep_is_told_by_its_table(tmp_path: Path) -> None:
     assert "1 of 5 rows of the table are not certified." in page.words
     assert "energy over tissue.wall" in page.words and "shear-empty" in page.words
     assert page.text.count('class="refused"') == 1 and "here" not in page.words.split()
+
+
+def test_pictures_of_cases_say_which_and_whether_they_are_certified(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "sweep.csv").write_text(SWEEP)
+    (tmp_path / "pictures").mkdir()
+    for number in range(2):
+        shutil.copy(write_run(tmp_path / "run") / "tissue.png", tmp_path / "pictures" / f"case_{number:06d}.png")
+        shutil.rmtree(tmp_path / "run")
+    page = read(write_report([tmp_path]).file)
+    assert "Tissues of 2 of 3 cases" in page.words and "case 0: wall 0.1" in page.words
+    assert "case 1: wall 0.2 not certified" in page.words and "case 0: wall 0.1 not" not in page.words
+    assert "not certified, failed" in page.text
+    monkeypatch.setattr(pictures_module, "_BYTES", 10)
+    page = read(write_report([tmp_path]).file)
+    assert "Tissues of" not in page.words and "case 0: wall" not in page.words
 
 
 def test_a_sweep_that_has_not_ended_is_not_certified(tmp_path: Path) -> None:

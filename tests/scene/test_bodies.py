@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import FrozenInstanceError
 
 import pytest
-from pydantic import ValidationError
 
+from ngcell import Polygons, Study
 from ngcell.errors import CaseError
 from ngcell.scene import Body, BodyForce, BodyScene, BodySupport, MooneyRivlin, Pressure, Traction
 
@@ -79,16 +79,40 @@ def test_wrong_scenes_say_what_is_allowed(make, message):
 @pytest.mark.parametrize(
     ("kind", "given", "message"),
     [
-        (Pressure, {"boundary": "bo re", "value": 1.0}, "boundary\n  String should match pattern"),
-        (Pressure, {"boundary": "bore", "value": (1, 2)}, "value\n  Input should be a valid number"),
-        (Pressure, {"boundary": "bore", "value": float("inf")}, "value\n  Input should be a finite number"),
-        (Traction, {"boundary": "", "vector": (1, 2)}, "boundary\n  String should match pattern"),
-        (Traction, {"boundary": "rim", "vector": 1.0}, "vector\n  allowed: two finite numbers, or three"),
-        (Traction, {"boundary": "rim", "vector": (1, "2")}, "vector\n  allowed: two finite numbers, or three"),
-        (BodyForce, {"body": "block", "vector": (1, None)}, "vector\n  allowed: two finite numbers, or three"),
-        (BodyForce, {"body": "block", "vector": (1, 2, 3, 4)}, "vector\n  allowed: two finite numbers, or three"),
+        (Pressure, {"boundary": "bo re", "value": 1.0}, "Pressure: boundary is 'bo re'; allowed: letters, digits"),
+        (Pressure, {"boundary": "b", "value": (1, 2)}, r"Pressure: value is \(1, 2\); allowed: a valid number"),
+        (Pressure, {"boundary": "b", "value": float("inf")}, "Pressure: value is inf; allowed: a finite number"),
+        (Traction, {"boundary": "", "vector": (1, 2)}, "Traction: boundary is ''; allowed: letters, digits"),
+        (Traction, {"boundary": "b", "vector": 1.0}, "Traction: vector is 1.0; allowed: two finite numbers, or three"),
+        (Traction, {"boundary": "b", "vector": (1, "2")}, r"Traction: vector is \(1, '2'\); allowed: two finite"),
+        (BodyForce, {"body": "b", "vector": (1, None)}, r"BodyForce: vector is \(1, None\); allowed: two finite"),
+        (BodyForce, {"body": "b", "vector": (1, 2, 3, 4)}, r"BodyForce: vector is \(1, 2, 3, 4\); allowed: two finite"),
     ],
 )
 def test_wrong_loads_say_what_is_allowed(kind, given, message):
-    with pytest.raises(ValidationError, match=message):
+    with pytest.raises(CaseError, match=f"^{message}[^\n]*$"):
         kind(**given)
+
+
+@pytest.mark.parametrize(
+    ("make", "lines"),
+    [
+        (lambda: Polygons(cells=5, wall=0.1), [
+            "Polygons: file is missing; ",
+            "Polygons: cells is unknown; allowed: wall",
+        ]),
+        (lambda: MooneyRivlin(c1=-1, c2=0, bulk_modulos=9), [
+            "MooneyRivlin: c1 is -1; allowed: greater than 0",
+            "MooneyRivlin: bulk_modulus is missing; allowed: c1 (needed), c2 (needed), bulk_modulus (needed)",
+            "MooneyRivlin: bulk_modulos is unknown; did you mean bulk_modulus?",
+        ]),
+        (lambda: Study(case="a", axes={"tissue.wall": {"kind": "gird"}}), [
+            "Study: axes.tissue.wall is {'kind': 'gird'}; allowed: grid, range",
+        ]),
+    ],
+)  # fmt: skip
+def test_a_wrong_keyword_of_a_script_is_one_line_each(make, lines):
+    with pytest.raises(CaseError) as caught:
+        make()
+    told = str(caught.value).splitlines()
+    assert len(told) == len(lines) and all(line.startswith(begin) for line, begin in zip(told, lines, strict=True))

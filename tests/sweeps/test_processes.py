@@ -12,11 +12,16 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas
 import psutil
 import pytest
+from matplotlib.image import imread
 
-from ngcell.sweeps.sweep import Sweep, SweepOptions, read_sweep
+from ngcell.errors import OutputError
+from ngcell.report import write_report
+from ngcell.sweeps.options import SweepOptions
+from ngcell.sweeps.sweep import Sweep, read_sweep
 from ngcell.sweeps.table import PROVENANCE
 from ngcell.sweeps.task import Task
 from tests.sweeps.conftest import SMALL, pretend
@@ -35,6 +40,29 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, pandas.
         pass
     assert runs.computed == CASES and runs.certified
     return folder, runs.table()
+
+
+def test_each_case_has_a_small_picture_which_the_report_shows(undisturbed):
+    folder, _ = undisturbed
+    files = sorted((folder / "out" / "pictures").iterdir())
+    assert [file.name for file in files] == [f"case_{number:06d}.png" for number in range(CASES)]
+    pictures = [imread(file) for file in files]
+    assert {picture.shape[1] for picture in pictures} == {640} and all(file.stat().st_size < 80_000 for file in files)
+    assert np.abs(pictures[0] - pictures[-1]).max() > 0.1  # a thin wall and a thick one
+    page = write_report([folder / "out"]).file.read_text()
+    assert page.count("<img") == CASES and "Tissues of 6 of 6 cases" in page and "wall 0.12, c1 1" in page
+
+
+def test_as_many_cases_as_asked_have_a_picture_and_a_later_table_keeps_them(undisturbed, tmp_path):
+    folder, expected = undisturbed
+    for again in range(2):
+        runs = Sweep(folder / "study.toml", tmp_path / "out", SweepOptions(workers=1, pictures=2))
+        for _ in runs:
+            pass
+        assert runs.computed == (0 if again else CASES)
+        names = [file.name for file in sorted((tmp_path / "out" / "pictures").iterdir())]
+        assert names == ["case_000000.png", "case_000005.png"]
+    pandas.testing.assert_frame_equal(numbers(runs.table()), numbers(expected))
 
 
 def numbers(table: pandas.DataFrame) -> pandas.DataFrame:
@@ -173,6 +201,30 @@ def test_a_scheduler_and_two_workers_started_by_hand_serve_a_sweep(undisturbed, 
                 pass
     assert runs.computed == CASES
     pandas.testing.assert_frame_equal(numbers(runs.table()), numbers(expected))
+
+
+def test_a_sweep_whose_last_worker_is_killed_keeps_what_has_ended(undisturbed, tmp_path):
+    folder, expected = undisturbed
+    address_file, here = tmp_path / "scheduler.json", ("--host", "127.0.0.1", "--no-dashboard")
+    given = ("--scheduler-file", str(address_file))
+    worker = ("distributed.cli.dask_worker", *given, *here, "--nthreads", "1", "--local-directory", str(tmp_path))
+    with started("distributed.cli.dask_scheduler", *given, *here, "--port", "0"):
+        until(address_file.exists)
+        address = pandas.read_json(address_file, typ="series")["address"]
+        with started(*worker) as only:
+            runs = Sweep(folder / "study.toml", tmp_path / "out", SweepOptions(scheduler=address, wait=0.05))
+            with pytest.raises(OutputError, match="no worker for 0.05 minutes"):
+                for ended in runs:
+                    if ended.done == 2:
+                        for process in [only, *only.children(recursive=True)]:  # its nanny first: it starts no other
+                            process.kill()
+        kept = runs.computed
+        assert 2 <= kept < CASES and read_sweep(tmp_path / "out")["case"].nunique() == kept
+    again = Sweep(folder / "study.toml", tmp_path / "out", SweepOptions(workers=1))
+    for _ in again:
+        pass
+    assert again.reused == kept
+    pandas.testing.assert_frame_equal(numbers(again.table()), numbers(expected))
 
 
 def test_runs_that_fail_are_rows_with_their_outcome(tmp_path):

@@ -20,8 +20,9 @@ from ngcell.sweeps import extra
 from ngcell.sweeps.arrays import table_to_xarray
 from ngcell.sweeps.driver import connected, finished
 from ngcell.sweeps.ending import Ending
+from ngcell.sweeps.options import SweepOptions
 from ngcell.sweeps.store import Store
-from ngcell.sweeps.sweep import Sweep, SweepOptions, read_sweep
+from ngcell.sweeps.sweep import Sweep, read_sweep
 from ngcell.sweeps.table import PROVENANCE
 from ngcell.sweeps.task import OTHER_CODE, Task
 from ngcell.sweeps.worker import died
@@ -205,14 +206,45 @@ def test_only_so_many_tasks_are_on_their_way_as_keep_the_workers_busy(scheduler)
     assert ended == 200 and most == 5  # one for each of two threads, and three
 
 
+def test_a_cluster_without_workers_ends_the_sweep_in_one_line(study, tmp_path):
+    import distributed
+
+    with distributed.LocalCluster(
+        n_workers=0, processes=False, protocol="tcp", host="127.0.0.1", dashboard_address=None
+    ) as cluster:
+        words = ["sweep", str(study), "--out", str(tmp_path / "out"), "--scheduler", cluster.scheduler_address]
+        began = time.monotonic()
+        answer = CliRunner().invoke(command, [*words, "--wait", "0.03"])
+        assert answer.exit_code == 4 and 1.5 < time.monotonic() - began < 30
+    line = answer.stderr.splitlines()[-1]
+    assert "no worker for 0.03 minutes" in line and "goes on where it stopped" in line
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["status"] == "stopped"
+
+
+def test_a_sweep_waits_for_workers_that_join_in_time(study, tmp_path):
+    import distributed
+
+    with distributed.LocalCluster(
+        n_workers=0, threads_per_worker=1, processes=False, protocol="tcp", host="127.0.0.1", dashboard_address=None
+    ) as cluster, ThreadPoolExecutor(1) as aside:
+        aside.submit(lambda: (time.sleep(2.5), cluster.scale(1)))
+        assert run(study, tmp_path / "out", cluster.scheduler_address, wait=0.5).computed == 6
+
+
+@pytest.mark.parametrize("wrong", [{"wait": 0.0}, {"pictures": -1}])
+def test_options_out_of_range_are_told(wrong):
+    with pytest.raises(CaseError, match="allowed: a"):
+        SweepOptions(**wrong)
+
+
 _TEXT = "tissue.wall = 0.1\nmaterial.c1 = 1.0\nload.levels = 1\n"
 
 
 def test_the_command_tells_what_it_did_and_what_is_foreseen(study, tmp_path, scheduler, monkeypatch):
-    from ngcell.sweeps import sweep as module
+    from ngcell.sweeps import options as module
 
     usual = SweepOptions
-    monkeypatch.setattr(module, "SweepOptions", lambda *how: replace(usual(*how), function=pretend))
+    monkeypatch.setattr(module, "SweepOptions", lambda *how, **more: replace(usual(*how, **more), function=pretend))
     words = ["sweep", str(study), "--out", str(tmp_path / "out"), "--scheduler", scheduler]
     dry = CliRunner().invoke(command, [*words, "--dry-run"])
     assert dry.exit_code == 0 and "6, of which 6 have to be run" in dry.stdout and not (tmp_path / "out").exists()

@@ -21,7 +21,8 @@ import click
 import psutil
 
 from ngcell.scene.study import Study
-from ngcell.sweeps.sweep import Sweep, SweepOptions
+from ngcell.sweeps.options import SweepOptions
+from ngcell.sweeps.sweep import Sweep
 from ngcell.sweeps.task import Task
 from tools.commands import described
 

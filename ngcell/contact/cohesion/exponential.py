@@ -15,15 +15,14 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel
 
 from ngcell.scene.scope import refuse
-from ngcell.scene.section import SECTION, PositiveNumber
+from ngcell.scene.section import PositiveNumber, Section
 
 Array = NDArray[np.float64]
 
 
-class Cohesion(BaseModel):
+class Cohesion(Section):
     """Bonds between all walls that coincide at rest; contact in compression stays as it is.
 
     The traction grows to `strength`, at the opening ``energy / (e * strength)``, and falls off exponentially behind it.
@@ -35,8 +34,6 @@ class Cohesion(BaseModel):
     energy : float
         Energy that separates a unit of wall length at rest, of prisms of wall area, stress times length, > 0.
     """
-
-    model_config = SECTION
 
     kind: Literal["exponential"] = "exponential"
     strength: PositiveNumber

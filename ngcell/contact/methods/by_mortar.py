@@ -6,7 +6,6 @@ from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel
 
 from ngcell.contact.methods.mortar import MortarContact
 from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
@@ -14,15 +13,13 @@ from ngcell.contact.methods.protocol import ContactMethod
 from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
 from ngcell.contact.pairing.near import Reach
 from ngcell.contact.surface.surface import Surface
-from ngcell.scene.section import SECTION
+from ngcell.scene.section import Section
 
 Array = NDArray[np.float64]
 
 
-class Mortar(BaseModel):
+class Mortar(Section):
     """Frictionless unilateral contact by a mortar method: the contact pressure is an unknown, walls do not overlap."""
-
-    model_config = SECTION
 
     kind: Literal["mortar"] = "mortar"
     goes_with_cohesion: ClassVar[bool] = False

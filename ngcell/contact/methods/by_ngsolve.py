@@ -12,7 +12,6 @@ from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel
 from scipy import sparse
 
 from ngcell.contact.methods.ngsolve_boundary import BoundaryEnergy
@@ -26,7 +25,7 @@ from ngcell.contact.surface.surface import Surface
 from ngcell.errors import CaseError
 from ngcell.mechanics.report import Check, Scales
 from ngcell.mechanics.term import Configuration
-from ngcell.scene.section import SECTION, PositiveNumber
+from ngcell.scene.section import PositiveNumber, Section
 
 Array = NDArray[np.float64]
 
@@ -34,7 +33,7 @@ Array = NDArray[np.float64]
 _APART = 1e-6
 
 
-class NgsolveContact(BaseModel):
+class NgsolveContact(Section):
     """Frictionless unilateral contact by `ngsolve.ContactBoundary`, with a penalty on the overlap, in the plane.
 
     Parameters
@@ -42,8 +41,6 @@ class NgsolveContact(BaseModel):
     stiffness : float
         Multiple of the penalty stiffness that is derived from material and mesh, > 0, without unit.
     """
-
-    model_config = SECTION
 
     kind: Literal["ngsolve"] = "ngsolve"
     stiffness: PositiveNumber = 1.0

@@ -6,19 +6,18 @@ from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel
 
 from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
 from ngcell.contact.methods.protocol import ContactMethod
 from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
 from ngcell.contact.pairing.near import Reach
 from ngcell.contact.surface.surface import Surface
-from ngcell.scene.section import SECTION, PositiveNumber
+from ngcell.scene.section import PositiveNumber, Section
 
 Array = NDArray[np.float64]
 
 
-class Penalty(BaseModel):
+class Penalty(Section):
     """Frictionless unilateral contact by a penalty on the overlap.
 
     Parameters
@@ -26,8 +25,6 @@ class Penalty(BaseModel):
     stiffness : float
         Multiple of the penalty stiffness that is derived from material and mesh, > 0, without unit.
     """
-
-    model_config = SECTION
 
     kind: Literal["penalty"] = "penalty"
     stiffness: PositiveNumber = 1.0

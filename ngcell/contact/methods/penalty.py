@@ -163,7 +163,7 @@ class PenaltyContact:
         kinematics = gap_kinematics(self.walls, pairs, positions)
         body = self.walls.body
         stiffness = 0.5 * self._pairwise(pairs) * pairs.weight
-        return PenaltySet(kinematics, stiffness, body[pairs.secondary], int(body.max()) + 1)
+        return PenaltySet(kinematics, stiffness, body[pairs.secondary], int(body.max(initial=0)) + 1)
 
     def couplings(self, positions: Array, margin: float) -> tuple[Index, Index]:
         """Return rows and columns of all scalar unknowns that contact could couple while nothing moves by more

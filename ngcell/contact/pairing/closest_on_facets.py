@@ -33,7 +33,7 @@ def nearest_candidates(
     outside = np.maximum(np.maximum(low[facet] - point, point - high[facet]), 0)
     least = np.maximum(np.linalg.norm(outside, axis=1) - spare[facet], 0)
     near = np.flatnonzero(least < reach)
-    _, member = np.unique(group[near] * (walls.body.max() + 1) + walls.body[facet[near]], return_inverse=True)
+    _, member = np.unique(group[near] * (walls.body.max(initial=0) + 1) + walls.body[facet[near]], return_inverse=True)
     member, bodies = member.ravel(), int(member.max(initial=-1)) + 1
     for most in (walls.centres(nodes)[:, None], nodes):
         place = most[facet[near]]

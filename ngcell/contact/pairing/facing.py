@@ -121,7 +121,7 @@ def count_corners(walls: Surface) -> int:
     corners = walls.basis.corner_nodes
     ends = walls.rest[:, corners].reshape(-1, walls.dimension)
     body = np.repeat(walls.body, len(corners))
-    scale = np.abs(ends).max()
+    scale = np.abs(ends).max(initial=0.0) or 1.0
     _, place = np.unique(np.round(ends / (1e-7 * scale)), axis=0, return_inverse=True)
     meeting = np.unique(np.column_stack([place.ravel(), body]), axis=0)
     return int((np.bincount(meeting[:, 0]) >= 3).sum())

@@ -40,7 +40,7 @@ class NearFacets:
     def pairs(self, nodes: Array) -> tuple[Index, Index]:
         """Return the pairs at deformed nodes of shape (facets, nodes, dimension) [length]; some may be out of reach."""
         margin = float(np.min(self._reach))
-        if self._found is None or np.abs(nodes - self._found[0]).max() > margin / 2:
+        if self._found is None or np.abs(nodes - self._found[0]).max(initial=0.0) > margin / 2:
             self._found = nodes, near_facets(self._walls, nodes, self._reach + 2 * margin)
         return self._found[1]
 

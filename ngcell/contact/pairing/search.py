@@ -92,7 +92,7 @@ def nearest_on_body(walls: Surface, nodes: Array, point: Array, body: Index) -> 
         The body asked for.
     """
     order = np.argsort(walls.body, kind="stable")
-    first = np.searchsorted(walls.body[order], np.arange(walls.body.max() + 2))
+    first = np.searchsorted(walls.body[order], np.arange(walls.body.max(initial=0) + 2))
     count = (first[1:] - first[:-1])[body]
     row = np.repeat(np.arange(len(point)), count)
     within = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
@@ -113,7 +113,7 @@ def _nearest(
     kept = nearest_candidates(walls, nodes, number, other, place, reach)
     number, other, place = number[kept], other[kept], place[kept]
     xi, distance = closest_points(walls, nodes, other, place)
-    group = number * (walls.body.max() + 1) + walls.body[other]
+    group = number * (walls.body.max(initial=0) + 1) + walls.body[other]
     best = _smallest_of_group(group, _joints_apart(walls, nodes, other, place, distance))
     return kept[best], xi[best], distance[best]
 

@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ValidationInfo, field_validator
+from pydantic import ValidationInfo, field_validator
 
 from ngcell.geometry.bodies import FRAME, LOWER_PLATE, UPPER_PLATE, BodyMesh
 from ngcell.geometry.held import confined_walls
@@ -25,7 +25,7 @@ from ngcell.geometry.tissues.stacks import (
     through_wall,
 )
 from ngcell.scene.scope import refuse
-from ngcell.scene.section import SECTION, NonNegativeNumber, PositiveCount, PositiveNumber
+from ngcell.scene.section import NonNegativeNumber, PositiveCount, PositiveNumber, Section
 
 Array = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ MOST_CELLS = 10_000
 _ROUND_OFF = 1e-6
 
 
-class HexagonalCells(BaseModel):
+class HexagonalCells(Section):
     """A patch of cells of six walls, in rows and columns, each a body of its own.
 
     Parameters
@@ -61,8 +61,6 @@ class HexagonalCells(BaseModel):
         Number of layers of prisms, >= 1, each of this height, stacked along z; each holds cells of its own, which
         may touch those of the layers above and below. Together at most `MOST_CELLS` cells.
     """
-
-    model_config = SECTION
 
     kind: str
     rows: PositiveCount

@@ -8,7 +8,7 @@ from math import ceil, sqrt
 from typing import Any, ClassVar, Self
 
 import numpy as np
-from pydantic import BaseModel, ValidationInfo, field_validator, model_validator
+from pydantic import ValidationInfo, field_validator, model_validator
 
 from ngcell.errors import GeometryError
 from ngcell.geometry.bodies import BodyMesh
@@ -28,13 +28,13 @@ from ngcell.geometry.tissues.stacks import (
     through_wall,
 )
 from ngcell.scene.scope import refuse
-from ngcell.scene.section import SECTION, NonNegativeNumber, PositiveCount, PositiveNumber
+from ngcell.scene.section import NonNegativeNumber, PositiveCount, PositiveNumber, Section
 
 #: Distance as a share of a cell's side that round-off makes.
 _ROUND_OFF = 1e-6
 
 
-class OutlinedCells(BaseModel):
+class OutlinedCells(Section):
     """Cells whose outlines are polygons, each a body of its own: what their kinds share.
 
     Parameters
@@ -60,8 +60,6 @@ class OutlinedCells(BaseModel):
     layers : int
         Number of layers of prisms, >= 1, each of this height, stacked along z.
     """
-
-    model_config = SECTION
 
     #: Share of a cell's side that `held_within` is by default.
     held_share: ClassVar[float] = 0.5

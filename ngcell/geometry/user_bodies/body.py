@@ -10,11 +10,11 @@ from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Literal, Self
 
 from netgen import occ
-from pydantic import BaseModel, Strict, model_validator
+from pydantic import Strict, model_validator
 
 from ngcell.scene.choice import OneOf
 from ngcell.scene.scope import refuse
-from ngcell.scene.section import SECTION, Name, PositiveNumber
+from ngcell.scene.section import Name, PositiveNumber, Section
 
 Part = Literal["whole", "right", "left", "upper", "lower", "upper-right", "upper-left", "lower-right", "lower-left"]
 Side = Literal["inner", "outer", "x0", "y0", "bottom", "top", "left", "right"]
@@ -24,7 +24,7 @@ Point = tuple[float, float]
 _ON = 1e-9
 
 
-class UserBody(BaseModel):
+class UserBody(Section):
     """What every user-defined body says.
 
     Parameters
@@ -39,8 +39,6 @@ class UserBody(BaseModel):
         Sides that may touch other bodies; by default all but the cuts, and but those that a support guides in a plane
         which all bodies are on one side of.
     """
-
-    model_config = SECTION
 
     name: Name
     material: Annotated[Any, OneOf("material")]

@@ -5,15 +5,14 @@ from __future__ import annotations
 from typing import ClassVar, Literal
 
 import ngsolve
-from pydantic import BaseModel
 
 from ngcell.mechanics.applied.vector import Vector, check_vector, extra_degrees, work
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.swept import SweptArea, SweptVolume
-from ngcell.scene.section import SECTION, Name
+from ngcell.scene.section import Name, Section
 
 
-class BodyForce(BaseModel):
+class BodyForce(Section):
     """A force ``load_factor * vector`` for each unit of a body's area or volume at rest, in a fixed direction.
 
     Parameters
@@ -23,8 +22,6 @@ class BodyForce(BaseModel):
     vector : tuple of float, shape (dimension,), or function of the place
         Force for each reference area or volume at load factor 1 [stress / length].
     """
-
-    model_config = SECTION
 
     boundary: ClassVar[str | None] = None
     pressure: ClassVar[float] = 0.0

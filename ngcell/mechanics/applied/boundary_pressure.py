@@ -10,14 +10,13 @@ from __future__ import annotations
 from typing import ClassVar, Literal
 
 import ngsolve
-from pydantic import BaseModel
 
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.swept import SweptArea, SweptVolume
-from ngcell.scene.section import SECTION, Name
+from ngcell.scene.section import Name, Section
 
 
-class Pressure(BaseModel):
+class Pressure(Section):
     """A pressure ``load_factor * value`` on a boundary, which stays normal to it as it deforms.
 
     Parameters
@@ -33,8 +32,6 @@ class Pressure(BaseModel):
     line under the same pressure, or its end is held, or it slides along a support that stays in place. The same goes
     for the rim of a solid's face.
     """
-
-    model_config = SECTION
 
     body: ClassVar[str | None] = None
 

@@ -5,15 +5,14 @@ from __future__ import annotations
 from typing import ClassVar, Literal
 
 import ngsolve
-from pydantic import BaseModel
 
 from ngcell.mechanics.applied.vector import Vector, check_vector, extra_degrees, work
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.swept import SweptArea, SweptVolume
-from ngcell.scene.section import SECTION, Name
+from ngcell.scene.section import Name, Section
 
 
-class Traction(BaseModel):
+class Traction(Section):
     """A force ``load_factor * vector`` for each unit of a boundary's length or area at rest, in a fixed direction.
 
     Parameters
@@ -23,8 +22,6 @@ class Traction(BaseModel):
     vector : tuple of float, shape (dimension,), or function of the place
         Force on the body for each reference length or area at load factor 1 [stress].
     """
-
-    model_config = SECTION
 
     body: ClassVar[str | None] = None
     pressure: ClassVar[float] = 0.0

@@ -30,17 +30,17 @@ from typing import Annotated, Literal
 import ngsolve
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, Field, Strict, field_validator
+from pydantic import Field, Strict, field_validator
 from pydantic_core import PydanticCustomError
 
-from ngcell.scene.section import SECTION, PlanarVector, PositiveNumber
+from ngcell.scene.section import PlanarVector, PositiveNumber, Section
 
 Array = NDArray[np.float64]
 Angle = Annotated[float, Field(ge=-90, le=90)]
 Angles = Annotated[tuple[Angle, ...], Strict(False)]
 
 
-class _Fibres(BaseModel):
+class _Fibres(Section):
     """Families of the same fibres: what every law of fibres shares.
 
     Parameters
@@ -54,8 +54,6 @@ class _Fibres(BaseModel):
     direction : tuple of float, shape (2,), optional
         In place of the wall's direction in user-defined bodies, which need it: a vector in the plane, not zero.
     """
-
-    model_config = SECTION
 
     stiffness: PositiveNumber
     angles: Angles

@@ -18,17 +18,17 @@ from typing import Annotated, Any, Literal, Self
 import ngsolve
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, Field, model_validator
+from pydantic import Field, model_validator
 
 from ngcell.mechanics.laws.law import FibreLaw, plane_strain_modulus
 from ngcell.scene.choice import OneOf
 from ngcell.scene.scope import is_planar, refuse
-from ngcell.scene.section import SECTION, NonNegativeNumber, PositiveNumber
+from ngcell.scene.section import NonNegativeNumber, PositiveNumber, Section
 
 Array = NDArray[np.float64]
 
 
-class MooneyRivlin(BaseModel):
+class MooneyRivlin(Section):
     """Mooney-Rivlin solid, ``W = c1/2 (I1 - 3) + c2/2 (I2 - 3)`` of the isochoric part, made compressible.
 
     Parameters
@@ -49,8 +49,6 @@ class MooneyRivlin(BaseModel):
     rupture_length : float, optional
         Length of these averages [length], > 0; by default the thickness of the wall.
     """
-
-    model_config = SECTION
 
     kind: Literal["mooney-rivlin"] = "mooney-rivlin"
     c1: PositiveNumber

@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, Field, Strict
+from pydantic import Field, Strict
 
 from ngcell.geometry.bodies import LOWER_END, UPPER_END
 from ngcell.mechanics.applied.traction import Traction
@@ -18,7 +18,7 @@ from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.scene.levels import Levels, level_factors
 from ngcell.scene.scope import is_planar, refuse
-from ngcell.scene.section import SECTION
+from ngcell.scene.section import Section
 
 Array = NDArray[np.float64]
 
@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 _NEARBY = 1e-4
 
 
-class Ends(BaseModel):
+class Ends(Section):
     """The ends of prisms: the lower ones are held, the upper ones move together as one rigid plate.
 
     Parameters
@@ -41,8 +41,6 @@ class Ends(BaseModel):
     levels : int or tuple of float
         Number of equal levels, or the load factors in [0, 1] that are reported.
     """
-
-    model_config = SECTION
 
     supported: ClassVar[str | None] = None
     moved: ClassVar[str] = UPPER_END

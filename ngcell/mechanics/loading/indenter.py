@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, Field, model_validator
+from pydantic import Field, model_validator
 
 from ngcell.errors import CaseError
 from ngcell.geometry.bodies import INDENTER, LOWER_PLATE, BodyMesh
@@ -18,7 +18,7 @@ from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.scene.levels import Levels, level_factors
 from ngcell.scene.scope import is_planar, refuse
-from ngcell.scene.section import SECTION, PositiveNumber
+from ngcell.scene.section import PositiveNumber, Section
 
 Array = NDArray[np.float64]
 
@@ -30,7 +30,7 @@ _CLEARANCE = 0.1
 _EDGES, _SAGITTA = 4, 0.005
 
 
-class Indenter(BaseModel):
+class Indenter(Section):
     """A rigid indenter without friction, pressed downwards into a planar tissue whose lower edge a plate holds.
 
     Parameters
@@ -57,8 +57,6 @@ class Indenter(BaseModel):
     -----
     The strategy is to be "single-step": cells are never tied to an indenter.
     """
-
-    model_config = SECTION
 
     moved: ClassVar[str] = INDENTER
     #: A tied tissue would not be touched by it; in load stepping the balance of energy breaks where it first touches.

@@ -10,7 +10,7 @@ from typing import Any, Literal, Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, model_validator
+from pydantic import model_validator
 from pydantic_core import PydanticCustomError
 
 from ngcell.errors import CaseError
@@ -20,7 +20,7 @@ from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.scene.levels import Levels, level_factors
 from ngcell.scene.scope import only_for_prisms, refuse
-from ngcell.scene.section import SECTION
+from ngcell.scene.section import Section
 
 Array = NDArray[np.float64]
 
@@ -52,7 +52,7 @@ class TissueLoad(Protocol):
         """Return the forces that it exerts besides."""
 
 
-class EndsOfPrisms(BaseModel):
+class EndsOfPrisms(Section):
     """What loads in the plane say of prisms, whose ends are free, held or under a pressure.
 
     Parameters
@@ -68,8 +68,6 @@ class EndsOfPrisms(BaseModel):
         Number of equal levels, or the load factors in [0, 1] that are reported, in the order of the load path;
         it may return, as in ``[0.5, 1.0, 0.5, 0.0]``.
     """
-
-    model_config = SECTION
 
     kind: str
     ends: Literal["free", "held", "pressed"] | None = None

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any, ClassVar, Literal
 
-from pydantic import BaseModel
-
 from ngcell.geometry.bodies import LUMEN
 from ngcell.geometry.tissues.protocol import TissueGeometry
 from ngcell.mechanics.fluid import LumenFluids
@@ -15,10 +13,10 @@ from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.mechanics.term import Term
 from ngcell.scene.scope import is_planar, refuse
-from ngcell.scene.section import SECTION, PositiveNumber
+from ngcell.scene.section import PositiveNumber, Section
 
 
-class Fluid(BaseModel):
+class Fluid(Section):
     """An incompressible fluid that fills every cell: each lumen keeps its area, whatever pressure that takes.
 
     In three dimensions a closed lumen keeps its volume.
@@ -31,8 +29,6 @@ class Fluid(BaseModel):
     ramp : {"with-load", "first"}
         Whether cells are filled up in proportion to the load, or hold that much at every level.
     """
-
-    model_config = SECTION
 
     kind: Literal["fluid"] = "fluid"
     fill: PositiveNumber = 1.0

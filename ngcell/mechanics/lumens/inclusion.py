@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, field_validator
+from pydantic import field_validator
 
 from ngcell.geometry.tissues.protocol import TissueGeometry
 from ngcell.mechanics.bulk import InclusionEnergy
@@ -14,10 +14,10 @@ from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.mechanics.term import Term
 from ngcell.scene.choice import OneOf
 from ngcell.scene.scope import refuse
-from ngcell.scene.section import SECTION
+from ngcell.scene.section import Section
 
 
-class Inclusion(BaseModel):
+class Inclusion(Section):
     """A solid that fills every cell and is bonded to its wall.
 
     Parameters
@@ -25,8 +25,6 @@ class Inclusion(BaseModel):
     material : MooneyRivlin
         What it is made of: as a rule softer than the wall, and nearly incompressible.
     """
-
-    model_config = SECTION
 
     kind: Literal["inclusion"] = "inclusion"
     material: Annotated[Any, OneOf("material")]

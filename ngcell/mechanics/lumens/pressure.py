@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, Strict
+from pydantic import Strict
 
 from ngcell.geometry.tissues.protocol import Lumens, TissueGeometry
 from ngcell.mechanics.applied.boundary_pressure import Pressure
@@ -17,13 +17,13 @@ from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.mechanics.term import Term
 from ngcell.scene.scope import is_planar, refuse
-from ngcell.scene.section import SECTION, NonNegativeNumber
+from ngcell.scene.section import NonNegativeNumber, Section
 
 Array = NDArray[np.float64]
 Row = Annotated[tuple[NonNegativeNumber, ...], Strict(False)]
 
 
-class CellPressure(BaseModel):
+class CellPressure(Section):
     """A pressure in every cell, which acts on its wall as it deforms.
 
     Parameters
@@ -34,8 +34,6 @@ class CellPressure(BaseModel):
     ramp : {"with-load", "first"}
         Whether it grows in proportion to the load, or is there in full at every level.
     """
-
-    model_config = SECTION
 
     kind: Literal["pressure"] = "pressure"
     pressure: NonNegativeNumber | Annotated[tuple[Row, ...], Strict(False)]

@@ -6,17 +6,14 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel
 
 from ngcell.results.quantities import View
-from ngcell.scene.section import SECTION
+from ngcell.scene.section import Section
 
 
-class Rotation(BaseModel):
+class Rotation(Section):
     """Mean rotation of each cell in the plane [degree], positive anticlockwise: that of the polar decomposition of the
     affine map that fits its displacement best."""
-
-    model_config = SECTION
 
     kind: Literal["rotation"] = "rotation"
 

@@ -6,20 +6,17 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel
 
 from ngcell.contact.methods.self_contact import SelfContact
 from ngcell.results.quantities import View
-from ngcell.scene.section import SECTION
+from ngcell.scene.section import Section
 
 
-class SelfContactForce(BaseModel):
+class SelfContactForce(Section):
     """Sum of the magnitudes of the contact forces within each lumen that has closed, for each cell [stress * length].
 
     Forces between cells are no part of it.
     """
-
-    model_config = SECTION
 
     kind: Literal["self-contact-force"] = "self-contact-force"
 

@@ -26,9 +26,8 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel
 
-from ngcell.scene.section import SECTION, PositiveCount
+from ngcell.scene.section import PositiveCount, Section
 from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.problem import Driven, State
@@ -60,7 +59,7 @@ class _Stand:
     drives: Sequence[Driven]
 
 
-class LoadStepping(BaseModel):
+class LoadStepping(Section):
     """Load steps that follow each other, as scenes with a history need: every step starts where the one before ended.
 
     Parameters
@@ -69,8 +68,6 @@ class LoadStepping(BaseModel):
         Smallest number of load steps, >= 1; by default one for each level of the load. The balance of energy asks for
         more where it has to.
     """
-
-    model_config = SECTION
 
     kind: Literal["load-stepping"] = "load-stepping"
     steps: PositiveCount | None = None

@@ -20,9 +20,8 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel
 
-from ngcell.scene.section import SECTION, PositiveCount
+from ngcell.scene.section import PositiveCount, Section
 from ngcell.solve.continuation import until_conditions_hold
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Minimum
@@ -36,7 +35,7 @@ from ngcell.solve.strategies.strategy import Progress, Task
 Array = NDArray[np.float64]
 
 
-class Sddp(BaseModel):
+class Sddp(Section):
     """Successive deformation decomposition: load the tied tissue first, then release its walls.
 
     Parameters
@@ -44,8 +43,6 @@ class Sddp(BaseModel):
     steps : int, optional
         Smallest number of load steps, >= 1; by default one for each level of the load.
     """
-
-    model_config = SECTION
 
     kind: Literal["sddp"] = "sddp"
     steps: PositiveCount | None = None

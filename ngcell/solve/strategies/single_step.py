@@ -11,9 +11,8 @@ from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel
 
-from ngcell.scene.section import SECTION, PositiveCount
+from ngcell.scene.section import PositiveCount, Section
 from ngcell.solve.released import Released
 from ngcell.solve.step import MOST_HALVINGS, Accepted, Motion, StepFailed, next_goal
 from ngcell.solve.strategies.strategy import Progress, Task
@@ -21,7 +20,7 @@ from ngcell.solve.strategies.strategy import Progress, Task
 Array = NDArray[np.float64]
 
 
-class SingleStep(BaseModel):
+class SingleStep(Section):
     """Load and contact together.
 
     Parameters
@@ -29,8 +28,6 @@ class SingleStep(BaseModel):
     steps : int, optional
         Smallest number of load steps, >= 1; by default one for each level of the load.
     """
-
-    model_config = SECTION
 
     #: Bonds that break on the way would not be followed.
     goes_with_history: ClassVar[bool] = False
