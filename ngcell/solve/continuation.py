@@ -169,12 +169,13 @@ def recentred(minimiser: Minimiser, start: Array, weight: float, options: Contin
     This is the proximal point method (Rockafellar 1976, doi:10.1137/0314056): each minimum is the next centre, so that
     bodies that nothing holds stay, and no proximal force is left in the end. It ends where all falls of the energy that
     are still to come, as many as go on like the last two, are no more than what suffices, and the proximal force is not
-    felt.
+    felt; or where bodies are hardly strained at all.
     """
     proximal, fallen, scale = ProximalTerm(weight, start), float("inf"), weight / options.recentred
+    nothing = options.hardly_strained**2 * minimiser.energy_scale
     for _ in range(options.most_recentred):
         energy, name = minimiser.problem.at(proximal.centre).energy, proximal.weight / scale
-        sufficient = options.sufficient * abs(energy)
+        sufficient = max(options.sufficient * abs(energy), nothing)
         minimum, _ = _minimise(minimiser, proximal.centre, proximal, 0.0, name, options.update * sufficient)
         if not minimum.is_found:
             return minimum
@@ -186,7 +187,7 @@ def recentred(minimiser: Minimiser, start: Array, weight: float, options: Contin
         is_low = fallen / (1 - min(max(ratio, 0.0), options.idle)) <= sufficient
         if is_low and not _is_felt(minimiser, minimum, options.felt):
             break
-    return _minimise(minimiser, proximal.centre, proximal, 0.0, name, options.refined * abs(energy))[0]
+    return _minimise(minimiser, proximal.centre, proximal, 0.0, name, options.refined * max(abs(energy), nothing))[0]
 
 
 def until_conditions_hold(

@@ -107,6 +107,8 @@ class ContinuationOptions:
         above which the next one is slow, and the weight is lowered; and the decrement of the last minimisation as a
         share of the energy. A share of 1e-12 left forces 2.9e-6 out of balance where contact
         is stiff, and does not tell which cells nothing holds.
+    hardly_strained : float
+        Strain below which the energy is told from nothing no more.
     first_overlapping : float
         Weight at the start where walls overlap at rest: a larger one would hold them deep in each other, where the
         nearest wall changes from point to point and the energy is not smooth.
@@ -146,6 +148,7 @@ class ContinuationOptions:
     most_recentred: int = 30
     idle: float = 0.9
     refined: float = 1e-16
+    hardly_strained: float = 1e-5
     first_overlapping: float = 1.0
     narrowest: float = 0.5
     widest: float = 1.0
