@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import ngcell
+from ngcell.build.options import Options
 from ngcell.build.reported import Step
 from ngcell.build.simulation import Simulation
 from ngcell.build.stages import Stage
@@ -22,6 +23,7 @@ from ngcell.results.error import ERROR_NAMES
 from ngcell.results.finding import compare
 from ngcell.results.quantities import View
 from ngcell.scene import Expected
+from ngcell.solve.options import ContinuationOptions, SolverOptions
 
 SMALL = ("tissue.rows=2", "tissue.cols=2", "load.displacement=[0.3, 0.0]", "load.levels=1")
 PAIR = ("tissue.rows=1", "tissue.cols=2", "load.displacement=[0.2, 0.0]", "load.levels=1")
@@ -48,6 +50,30 @@ def test_a_shipped_tissue_is_certified_and_no_further_from_a_finer_one_than_it_s
     assert 0 < check.value <= check.limit == 0.01
     assert finer.mesh.unknowns > found.mesh.unknowns
     assert 0 < abs(found.record.energy - finer.record.energy) <= found.record.energy_error
+
+
+def share_that_holds_bodies(step: Step) -> float:
+    (check,) = (check for check in step.measurement.certificate.checks if check.name == "stabilisation")
+    return check.value
+
+
+def test_the_proximal_term_holds_bodies_where_they_are_and_leaves_no_force():
+    *_, found = steps()
+    *_, of_one_centre = steps("accuracy=inf")
+    assert share_that_holds_bodies(found) < 1e-6
+    assert share_that_holds_bodies(found) < 0.1 * share_that_holds_bodies(of_one_centre)
+
+
+@pytest.mark.parametrize("weight", [1e-5, 1e-3])
+def test_the_weight_with_which_it_does_changes_nothing_that_was_asked_for(weight: float):
+    *_, usual = steps()
+    continuation = ContinuationOptions(recentred=weight)
+    case = ngcell.read_case("shear-empty-3x3", SMALL)
+    *_, other = ngcell.simulate(case, options=Options(solver=SolverOptions(continuation=continuation)))
+    assert other.record.certified
+    assert other.record.energy == pytest.approx(usual.record.energy, rel=1e-3)
+    assert other.record.plate_force_x == pytest.approx(usual.record.plate_force_x, rel=5e-3)
+    assert other.record.mean_gap == pytest.approx(usual.record.mean_gap, rel=5e-3)
 
 
 def test_a_low_accuracy_takes_a_coarser_mesh():
