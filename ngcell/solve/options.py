@@ -222,6 +222,8 @@ class SolverOptions:
     direct_bulk, bulk_stage : float
         Ratio of bulk to shear modulus up to which a law is followed as it is, and the factor between the stages beyond
         it: there Newton's method crawls along the curved valley of constant volume.
+    transferred_bulk : float
+        That ratio for states from a coarser mesh, which change their volume on the finer one.
     refined : float
         Decrement at which a minimisation on a finer mesh ends, as a share of the energy. A share of 1e-12 left forces
         2.9e-6 out of balance where contact is stiff, and does not tell which cells nothing holds.
@@ -236,6 +238,7 @@ class SolverOptions:
     stability: StabilityOptions = field(default_factory=StabilityOptions)
     direct_bulk: float = 1e4
     bulk_stage: float = 30.0
+    transferred_bulk: float = 100.0
     refined: float = 1e-16
     most_work: int = 3000
     work_of_body: int = 30
