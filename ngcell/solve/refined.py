@@ -61,10 +61,10 @@ def settled(
         minimum = minimiser.minimise(start, proximal, enough)
         if not minimum.is_found:
             return minimum
+        minimum = until_conditions_hold(minimiser, minimum, length, options.continuation)
         start, before = minimum.state.displacement, minimiser
-    last = minimisers[-1]
     assert minimum is not None
-    return until_conditions_hold(last, minimum, length, options.continuation)
+    return minimum
 
 
 def stable(

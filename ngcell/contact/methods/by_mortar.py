@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -37,6 +38,6 @@ class Mortar(BaseModel):
         )
         return (
             PenaltyContact(walls, path, reach, options=options),
-            PenaltyContact(walls, handover, reach, may_stiffen=False, options=options),
+            PenaltyContact(walls, handover, reach, options=replace(options, stored=options.handover_stored)),
             MortarContact(walls, own, reach, options),
         )
