@@ -27,6 +27,7 @@ from ngcell.contact.pairing.facing import find_facing
 from ngcell.contact.pairing.near import Reach
 from ngcell.contact.surface.find import find_lumen_surface, find_surface
 from ngcell.contact.surface.lumens import LumenSurface
+from ngcell.mechanics.mixed import INCOMPRESSIBLE
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.symbolic import fused
 from ngcell.mechanics.term import Term
@@ -106,11 +107,15 @@ class Problems:
     def _volume_stages(self) -> tuple[tuple[Term, ...], ...]:
         """The terms of bodies and loads, from the bulk modulus that paths are followed with to the one that is meant.
         """
-        bound, stages = self.options.solver.direct_bulk, []
+        return (*self._softened_from(self.options.solver.direct_bulk), fused(self._terms))
+
+    def _softened_from(self, bound: float) -> list[tuple[Term, ...]]:
+        """Return these terms with ratios of bulk to shear modulus from `bound` to less than the one that is meant."""
+        stages = []
         while bound < max(term.incompressibility for term in self._terms):
             stages.append(fused([term.softened(bound) for term in self._terms]))
             bound *= self.options.solver.bulk_stage
-        return (*stages, fused(self._terms))
+        return stages
 
     @cached_property
     def _contact_stages(self) -> tuple[Term, ...]:
@@ -174,15 +179,21 @@ class Problems:
         return self._tied_problems(self._self_contact(1))
 
     @cached_property
+    def _contacts(self) -> tuple[tuple[Term, ...], ...]:
+        """Contact between bodies and of lumens with themselves, stage by stage."""
+        count = len(self._contact_stages)
+        within: list[tuple[Term, ...]] = [(stage,) for stage in self._self_contact(count)] or [()] * count
+        return tuple((stage, *mine) for stage, mine in zip(self._contact_stages, within, strict=True))
+
+    def _released_problem(self, terms: Sequence[Term], contact: Sequence[Term]) -> Problem:
+        return Problem(self.space, (*terms, *contact, *self.cohesion), self.motion.fixed)
+
+    @cached_property
     def released_problems(self) -> tuple[Problem, ...]:
         """The tissue with its walls in unilateral contact, stage by stage."""
         *softer, meant = self._volume_stages
-        count = len(self._contact_stages)
-        within: list[tuple[Term, ...]] = [(stage,) for stage in self._self_contact(count)] or [()] * count
-        contacts = [(stage, *mine) for stage, mine in zip(self._contact_stages, within, strict=True)]
-        stages = [(*terms, *contacts[0]) for terms in softer]
-        stages += [(*meant, *contact) for contact in contacts]
-        return tuple(Problem(self.space, (*terms, *self.cohesion), self.motion.fixed) for terms in stages)
+        stages = [(terms, self._contacts[0]) for terms in softer] + [(meant, contact) for contact in self._contacts]
+        return tuple(self._released_problem(*stage) for stage in stages)
 
     @property
     def problem(self) -> Problem:
@@ -214,6 +225,16 @@ class Problems:
             is_mixed=stiffest > softest,
             stability=self.options.solver.stability,
         )
+
+    def softer_in_bulk(self, count: int) -> tuple[Minimiser, ...]:
+        """Return minimisers of released walls of smaller bulk moduli, with which a state from a coarser mesh goes on.
+
+        Their contact is the first of the last `count` stages. There are none where no wall needs the mixed method.
+        """
+        is_needed = max(term.incompressibility for term in self._terms) > INCOMPRESSIBLE
+        stages = self._softened_from(self.options.solver.transferred_bulk) if is_needed else []
+        problems = (self._released_problem(terms, self._contacts[-count]) for terms in stages)
+        return tuple(self._minimiser(problem, self.longest_step) for problem in problems)
 
     @property
     def continuation(self) -> Continuation:

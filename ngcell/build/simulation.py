@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 
 from ngcell.build.balance import NO_OVERLAP, is_balanced_at_rest
 from ngcell.build.checkpoint import Checkpoint
+from ngcell.build.mesh_level import Refined
 from ngcell.build.observation import Observer
 from ngcell.build.options import Options
 from ngcell.build.problems import OwnTerm, Problems
-from ngcell.build.refinement import Refined, Refinement
+from ngcell.build.refinement import Refinement
 from ngcell.build.reported import Mesh, Step
 from ngcell.build.stages import Stage, not_estimated, stages_of
 from ngcell.clock import Clock

@@ -35,6 +35,9 @@ class ContactOptions:
     handover_multiple : float
         Stiffness of the last penalty method before the mortar method takes over, > 0: walls overlap so little that they
         do not jump apart.
+    handover_stored : float
+        Share of the stored energy that its penalty terms may have, > 0. On a sheared tissue it is below 1e-3; where it
+        is more, walls are confined, and it is stiffened, and so are the penalty terms of the mortar method.
     """
 
     facing: float = -0.8
@@ -46,6 +49,7 @@ class ContactOptions:
     stage_factor: float = 10.0
     mortar_multiple: float = 3.0
     handover_multiple: float = 3.0
+    handover_stored: float = 0.02
 
     def path_multiples(self, meant: float) -> list[float]:
         """Return the stiffnesses of the stages before the one that is meant, the softest first; at least one."""

@@ -118,7 +118,7 @@ def numbers_of(setup: Setup, problem: Problem, state: State, proximal: Held) -> 
     at, displacement = state.displacement, state.at.displacement
     pull = -proximal.gradient(at, problem.mass)
     balance = balance_of(setup, problem, state, pull)
-    thickness, proximal_energy = problem.space.bodies.thickness, proximal.value(at, problem.mass)
+    proximal_energy = proximal.value(at, problem.mass)
     energy, held = state.energy - problem.unstored(state.at), setup.facing.between_held(balance.free_bodies)
     scales = scales_of(problem.space, setup.modulus, energy)
     force = max(scales.force, float(np.linalg.norm(balance.forces.force, axis=1).max(initial=0.0)))
@@ -131,12 +131,18 @@ def numbers_of(setup: Setup, problem: Problem, state: State, proximal: Held) -> 
         contact_force=balance.forces.total,
         mean_gap=mean,
         largest_gap=largest,
-        scales=(scales.energy, force, ONSET * thickness),
+        scales=(scales.energy, force, ONSET * _thinnest(setup, problem)),
         besides=overlap_work + proximal_energy + quadrature_error(problem.terms, state.at),
         overlap=overlap_work / max(balance.forces.total, force * _NO_FORCE),
         utilisation=0.0 if setup.strength is None else setup.strength.utilisation(problem.terms, displacement).largest,
         pulled=float(np.linalg.norm(problem.resultants(pull).sum(0))),
     )
+
+
+def _thinnest(setup: Setup, problem: Problem) -> float:
+    """Return the thickness of the thinnest body that faces another [length]: bodies far away set no scale of gaps."""
+    thickness = setup.facing.thickness
+    return float(thickness.min()) if len(thickness) else problem.space.bodies.thickness
 
 
 def mean_and_largest(facing: FacingWalls, gap: Array, chosen: NDArray[np.bool_]) -> tuple[float, float]:

@@ -245,6 +245,8 @@ class SolverOptions:
     direct_bulk, bulk_stage : float
         Ratio of bulk to shear modulus up to which a law is followed as it is, and the factor between the stages beyond
         it: there Newton's method crawls along the curved valley of constant volume.
+    transferred_bulk : float
+        That ratio for states from a coarser mesh, which change their volume on the finer one.
     most_work, work_of_body : int
         Factorisations and refused trial steps of a step, all attempts together: for any scene, and more for each body.
         Iterations would bound no time, since some take a hundred of them.
@@ -256,6 +258,7 @@ class SolverOptions:
     stability: StabilityOptions = field(default_factory=StabilityOptions)
     direct_bulk: float = 1e4
     bulk_stage: float = 30.0
+    transferred_bulk: float = 100.0
     most_work: int = 3000
     work_of_body: int = 30
 

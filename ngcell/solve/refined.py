@@ -23,11 +23,16 @@ def settled(
     start: Array,
     proximal: ProximalTerm,
     *,
+    softer: Sequence[Minimiser] = (),
     length: float,
     options: SolverOptions,
     path: Continuation | None = None,
 ) -> Minimum:
     """Return the minimum near a state that was found on a coarser mesh.
+
+    What hardly changes its volume does so between the points that the coarser mesh had. Followed as it is, with a
+    pressure from there that alternates from point to point, it takes hundreds of iterations; walls of smaller bulk
+    moduli find back to constant volume, and each stage to the next in a handful.
 
     Parameters
     ----------
@@ -37,6 +42,8 @@ def settled(
         The state, with prescribed values in place [length].
     proximal : ProximalTerm
         What held floating bodies, and holds them still.
+    softer : sequence of Minimiser
+        Of walls of smaller bulk moduli, which come first.
     length : float
         The length beside which missed conditions are judged [length].
     options : SolverOptions
@@ -45,20 +52,26 @@ def settled(
         The continuation on this mesh, if bodies may float: the proximal term then holds them where they are.
     """
     minimum, before = None, None
+    refined = options.continuation.refined
+    for minimiser in softer:
+        held = proximal if path is None else ProximalTerm(path.scale * path.options.recentred, start)
+        minimum = minimiser.minimise(start, held, refined * abs(minimiser.problem.at(start).energy))
+        if not minimum.is_found:
+            return minimum
+        start = minimum.state.displacement
     for minimiser in minimisers:
         if before is not None and minimum is not None:
             minimiser.problem.start_from(before.problem, minimum.state)
         if path is None:
-            enough = options.continuation.refined * abs(minimiser.problem.at(start).energy)
-            minimum = minimiser.minimise(start, proximal, enough)
+            minimum = minimiser.minimise(start, proximal, refined * abs(minimiser.problem.at(start).energy))
         else:
             minimum = recentred(minimiser, start, path.scale * path.options.recentred, path.options)
         if not minimum.is_found:
             return minimum
+        minimum = until_conditions_hold(minimiser, minimum, length, options.continuation)
         start, before = minimum.state.displacement, minimiser
-    last = minimisers[-1]
     assert minimum is not None
-    return until_conditions_hold(last, minimum, length, options.continuation)
+    return minimum
 
 
 def stable(

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from functools import cache
 from math import inf
+from typing import Any
 
 import pytest
 from netgen import occ
 
+from ngcell.build.reported import Step
 from ngcell.build.simulation import Simulation
+from ngcell.results.record import WallRecord
 from ngcell.scene import Body, BodyScene, BodySupport, MooneyRivlin, Mortar, Penalty
 
 _METHODS = {"penalty": Penalty(), "mortar": Mortar()}
@@ -36,15 +39,26 @@ _FAR = {
 }
 
 
-@cache
-def _of_the_pair(far: str, method: str) -> tuple[float, float, bool]:
-    """Return normal force and mean gap of the pair, and whether its overlaps pass."""
+def _step(far: str, method: str, **choices: Any) -> tuple[Step, WallRecord]:
+    """Return the step of the pair and a far body, and what is told of the pair."""
     others, held = _FAR[far]()
     bodies = (_block("lower", 0, 1, 0, 1), _block("upper", -0.1, 0.7, 1, 0.7), *others)
     supports = (BodySupport("lower_low"), BodySupport("upper_top", translation=(0.0, -0.25)), *held)
-    scene = BodyScene(bodies, supports, size=0.34, order=2, levels=1, accuracy=inf, contact=_METHODS[method])
-    *_, step = Simulation(scene).accepted_steps()
+    *_, step = Simulation(
+        BodyScene(bodies, supports, size=0.34, levels=1, contact=_METHODS[method], **choices)
+    ).accepted_steps()
+    return step, _of_the_two(step)
+
+
+def _of_the_two(step: Step) -> WallRecord:
     (wall,) = (wall for wall in step.walls if (wall.cell_a, wall.cell_b) == (0, 1))
+    return wall
+
+
+@cache
+def _of_the_pair(far: str, method: str) -> tuple[float, float, bool]:
+    """Return normal force and mean gap of the pair, and whether its overlaps pass."""
+    step, wall = _step(far, method, order=2, accuracy=inf)
     failed = [check.name for check in step.report.certificate.checks if not check.passed]
     return wall.normal_force, wall.mean_gap, "penetration_over_wall" not in failed
 
@@ -59,3 +73,37 @@ def test_a_far_body_changes_nothing(far: str, method: str) -> None:
     assert force == pytest.approx(alone, rel=1e-8)
     assert gap == pytest.approx(gap_alone, abs=1e-9)
     assert passes_alone and (passes or far.endswith("pressed"))
+
+
+@cache
+def _estimated(far: str) -> tuple[Step, WallRecord]:
+    return _step(far, "penalty", accuracy=0.05)
+
+
+@pytest.mark.parametrize("far", ["a body that is thin", "a body that is stiff"])
+def test_a_far_body_changes_neither_the_mesh_nor_the_estimated_error(far: str) -> None:
+    """A thin one once set the gap that errors of gaps are relative to: two meshes more, other numbers, no certificate.
+    """
+    (step, wall), (alone, wall_alone) = _estimated(far), _estimated("nothing")
+    assert step.record.certified and alone.record.certified
+    assert [mesh["order"] for mesh in step.meshes] == [mesh["order"] for mesh in alone.meshes]
+    assert wall.normal_force == pytest.approx(wall_alone.normal_force, rel=1e-7)
+    assert wall.mean_gap == pytest.approx(wall_alone.mean_gap, rel=1e-4)
+    assert step.record.energy_error == pytest.approx(alone.record.energy_error, rel=1e-3)
+
+
+def _box(name: str, low: tuple[float, float, float], size: tuple[float, float, float]) -> Body:
+    solid = occ.Box(occ.Pnt(*low), occ.Pnt(*(start + length for start, length in zip(low, size, strict=True))))
+    solid.faces.Min(occ.Z).name, solid.faces.Max(occ.Z).name = f"{name}_low", f"{name}_top"
+    return Body(solid, MooneyRivlin(c1=0.25, c2=0.25, bulk_modulus=10.0), name)
+
+
+def test_a_far_solid_changes_nothing() -> None:
+    pair = _box("lower", (0, 0, 0), (1, 1, 1)), _box("upper", (-0.1, 0.1, 1), (0.7, 0.7, 0.7))
+    held = BodySupport("lower_low"), BodySupport("upper_top", translation=(0.0, 0.0, -0.25))
+    far, support = _box("far", (40, 0, 40), (0.4, 0.4, 0.2)), BodySupport("far_low")
+    choices = {"size": 0.5, "order": 1, "levels": 1, "accuracy": inf}
+    scenes = BodyScene(pair, held, **choices), BodyScene((*pair, far), (*held, support), **choices)
+    alone, beside = (_of_the_two(list(Simulation(scene).accepted_steps())[-1]) for scene in scenes)
+    assert beside.normal_force == pytest.approx(alone.normal_force, rel=1e-8)
+    assert beside.mean_gap == pytest.approx(alone.mean_gap, abs=1e-9)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -34,6 +35,6 @@ class Mortar(Section):
         )
         return (
             PenaltyContact(walls, path, reach, options=options),
-            PenaltyContact(walls, handover, reach, may_stiffen=False, options=options),
+            PenaltyContact(walls, handover, reach, options=replace(options, stored=options.handover_stored)),
             MortarContact(walls, own, reach, options),
         )

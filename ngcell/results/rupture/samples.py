@@ -74,6 +74,21 @@ class Samples:
         gradient[:, :dimension, :dimension] += own
         return gradient
 
+    def with_projected_volume(self, displacement: Array, gradient: Array) -> Array:
+        """Return deformation gradients whose volume ratio is projected to one order less, in its logarithm.
+
+        The volume ratio of a displacement goes up and down within elements, about that which a pressure of one order
+        less would see; times the bulk modulus it would be most of the mean stress. NaN where an element is inverted.
+        """
+        planar = ngsolve.Id(self.space.dimension) + ngsolve.Grad(self.space.function(displacement))
+        self._log_volume.Set(ngsolve.log(ngsolve.Det(planar)), bonus_intorder=2 * self.space.order)
+        volume = np.exp(np.asarray(self._log_volume(self.places)).ravel())
+        return np.asarray(gradient * np.cbrt(volume / np.linalg.det(gradient))[:, None, None])
+
+    @cached_property
+    def _log_volume(self) -> ngsolve.GridFunction:
+        return ngsolve.GridFunction(ngsolve.L2(self.space.mesh, order=self.space.order - 1))
+
 
 def check_count(on_element: int, space: DisplacementSpace) -> None:
     """Raise CaseError if so many points on each element are too many."""

@@ -1,0 +1,193 @@
+"""One mesh of a scene, and how a step that was found on the mesh before goes on to it."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Generic, Protocol, TypeVar, cast
+
+from ngcell.build.options import Options
+from ngcell.clock import Clock
+from ngcell.contact.methods.terms import ContactTerm
+from ngcell.mechanics.space import DisplacementSpace
+from ngcell.mechanics.supports import PrescribedMotion
+from ngcell.mechanics.term import Array
+from ngcell.mechanics.transfer import transferred
+from ngcell.problem.problem import Problem
+from ngcell.problem.state import State
+from ngcell.results.equilibrium import Setup
+from ngcell.results.error import Errors
+from ngcell.solve.effort import OutOfIterations
+from ngcell.solve.minimise import Minimiser
+from ngcell.solve.proximal import ProximalTerm
+from ngcell.solve.refined import has_contact, settled, stable
+from ngcell.solve.released import Released
+from ngcell.solve.step import Accepted, spent
+
+Minimisers = Sequence[Minimiser]
+
+_log = logging.getLogger(__name__)
+
+
+class Meshed(Protocol):
+    """A scene on one mesh; see `ngcell.build.simulation.Simulation`."""
+
+    clock: Clock
+    options: Options
+    setup: Setup
+    space: DisplacementSpace
+    motion: PrescribedMotion
+
+    @property
+    def tied(self) -> tuple[Minimiser, ...]:
+        """Minimisers of the tied solid."""
+
+    @property
+    def closing(self) -> tuple[Minimiser, ...]:
+        """Minimisers of the tied solid whose lumens touch themselves; none where no lumen can."""
+
+    @property
+    def released(self) -> Released:
+        """Minimisers of the released walls."""
+
+    def softer_in_bulk(self, count: int) -> tuple[Minimiser, ...]:
+        """Return minimisers of walls of smaller bulk moduli, with the first of the last `count` stages of contact."""
+
+    def problem_of(self, phase: str) -> Problem:
+        """Return the problem that steps of a phase solve."""
+
+    def renew_budget(self) -> None:
+        """Give the minimisers of this mesh all of their iterations."""
+
+
+Scene = TypeVar("Scene", bound=Meshed)
+
+
+@dataclass(frozen=True, eq=False)
+class Refined(Generic[Scene]):
+    """A step on one mesh.
+
+    Attributes
+    ----------
+    level : int
+        Number of the mesh, 0 for that of the load path.
+    simulation : Simulation
+        The scene on this mesh.
+    accepted : Accepted
+        The step, with the effort of all meshes.
+    errors : Errors
+        Its estimated errors.
+    is_judged : bool
+        Whether they are held to what is asked for: not where none can be estimated, nor of tied states, which walls are
+        released from.
+    """
+
+    level: int
+    simulation: Scene
+    accepted: Accepted
+    errors: Errors
+    is_judged: bool
+
+
+class Level(Generic[Scene]):
+    """The scene on one mesh, with the minimisers that take steps over from the mesh before."""
+
+    def __init__(self, simulation: Scene) -> None:
+        self.simulation = simulation
+
+    @cached_property
+    def _released(self) -> Released:
+        return self.simulation.released
+
+    @cached_property
+    def _tied(self) -> tuple[Minimiser, ...]:
+        return self.simulation.tied
+
+    @cached_property
+    def _closing(self) -> tuple[Minimiser, ...]:
+        return self.simulation.closing
+
+    def _tied_at(self, displacement: Array, load: float) -> tuple[Minimisers, Minimisers]:
+        """Return the minimiser of the tied solid, after those of smaller bulk moduli: with contact where a body touches
+        itself."""
+        if not has_contact(self._closing, displacement, load):
+            return self._tied[:-1], self._tied[-1:]
+        self._closing[-1].problem.reset()
+        return self._closing[:-1], self._closing[-1:]
+
+    def settled(self, coarse: Refined[Scene]) -> Refined[Scene] | None:
+        """Return a step on this mesh that was found on the one before; None where it finds no equilibrium."""
+        mine, accepted = self.simulation, coarse.accepted
+        load, is_tied = accepted.load_factor, accepted.phase == "tied"
+        before = coarse.simulation.problem_of(accepted.phase)
+
+        def taken(displacement: Array) -> Array:
+            whole = before.expand(displacement)
+            return transferred(whole, coarse.simulation.space, mine.space)
+
+        proximal = accepted.minimum.proximal
+        start = mine.motion.imposed(taken(accepted.minimum.state.displacement), load)
+        held = ProximalTerm(proximal.weight, taken(proximal.centre) if proximal.weight else start)
+        for softer, last in [self._tied_at(start, load)] if is_tied else self._attempts():
+            effort = spent((*softer, *last))
+            self._prepare(softer, last, before, accepted, start)
+            try:
+                length, options = self._released.longest_step, mine.options.solver
+                path = self._released.path if held.weight else None
+                minimum = settled(last, start, held, softer=softer, length=length, options=options, path=path)
+            except OutOfIterations:
+                return None
+            accepted = replace(accepted, effort=accepted.effort + (spent((*softer, *last)) - effort))
+            if minimum.is_found:
+                accepted = replace(accepted, minimum=minimum)
+                return replace(coarse, level=coarse.level + 1, simulation=mine, accepted=accepted)
+            _log.info("mesh %d: %s", coarse.level + 1, minimum.ending.value)
+        return None
+
+    def _prepare(
+        self, softer: Minimisers, minimisers: Minimisers, before: Problem, accepted: Accepted, start: Array
+    ) -> None:
+        """Let loads act, and terms take over what they may from stages before and from the coarser mesh."""
+        mine, released = self.simulation, self._released
+        mine.renew_budget()
+        for minimiser in (*softer, *minimisers):
+            minimiser.problem.apply(accepted.load_factor)
+        if accepted.phase != "tied":
+            released.apply(accepted.load_factor)
+            for before_it in released.minimisers[: -len(minimisers)][-1:]:  # none where contact has one stage
+                minimisers[0].problem.start_from(before_it.problem, before_it.problem.at(start))
+        mine.problem_of(accepted.phase).refine(before, cast(State, accepted.minimum.state))
+
+    def _attempts(self) -> list[tuple[Minimisers, Minimisers]]:
+        """Return minimisers of the released walls that a step may go through, the fewest first, after those of walls
+        with smaller bulk moduli.
+
+        A method with multipliers takes its first pressures from a penalty. Where contact is too stiff for what the
+        coarser mesh has left between walls, softer stages lead to it.
+        """
+        terms, stages = self.simulation.problem_of("released").terms, self._released.minimisers
+        has_multipliers = any(isinstance(term, ContactTerm) and term.has_multipliers for term in terms)
+        few, most = 2 if has_multipliers else 1, len(stages) - len(self._tied)
+        counts = [few, most] if few < most else [few]
+        return [(self.simulation.softer_in_bulk(count), stages[-count:]) for count in counts]
+
+    def stable(self, found: Refined[Scene]) -> Refined[Scene]:
+        """Return a step with its lowest curvature, below a saddle if it rests on one; errors of that are not known."""
+        minimum, path = found.accepted.minimum, self._released.path
+        is_tied, load = found.accepted.phase == "tied", found.accepted.load_factor
+        minimisers = self._tied_at(minimum.state.displacement, load)[1] if is_tied else self._released.minimisers
+        minimiser = minimisers[-1]
+        effort = spent((minimiser,))
+        length, options = self._released.longest_step, self.simulation.options.solver
+        self.simulation.renew_budget()
+        try:
+            left = stable(minimiser, minimum, scale=path.scale, length=length, options=options)
+        except OutOfIterations:
+            return replace(found, errors=Errors())
+        if not left.is_found:
+            return replace(found, errors=Errors())
+        effort = found.accepted.effort + (spent((minimiser,)) - effort)
+        errors = found.errors if left.state is minimum.state else Errors()
+        return replace(found, accepted=replace(found.accepted, minimum=left, effort=effort), errors=errors)
