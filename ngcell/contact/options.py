@@ -35,6 +35,8 @@ class ContactOptions:
     handover_multiple : float
         Stiffness of the last penalty method before the mortar method takes over, > 0: walls overlap so little that they
         do not jump apart.
+    only_leads : bool
+        Whether equilibria only lead to those on finer meshes: then a penalty stands for the mortar method.
     """
 
     facing: float = -0.8
@@ -46,6 +48,7 @@ class ContactOptions:
     stage_factor: float = 10.0
     mortar_multiple: float = 3.0
     handover_multiple: float = 3.0
+    only_leads: bool = False
 
     def path_multiples(self, meant: float) -> list[float]:
         """Return the stiffnesses of the stages before the one that is meant, the softest first; at least one."""

@@ -146,7 +146,7 @@ class ContinuationOptions:
     condition: float = 1e-12
     most_updates: int = 40
     cycling: int = 200
-    slow: float = 0.25
+    slow: float = 0.01
     nothing: float = 1e-11
     farthest: float = 2.0
     hold_back: float = 100.0
@@ -225,6 +225,8 @@ class SolverOptions:
     refined : float
         Decrement at which a minimisation on a finer mesh ends, as a share of the energy. A share of 1e-12 left forces
         2.9e-6 out of balance where contact is stiff, and does not tell which cells nothing holds.
+    handed_on : float
+        The same of one from which a stiffer one, or multipliers, go on.
     most_work, work_of_body : int
         Factorisations and refused trial steps of a step, all attempts together: for any scene, and more for each body.
         Iterations would bound no time, since some take a hundred of them.
@@ -237,6 +239,7 @@ class SolverOptions:
     direct_bulk: float = 1e4
     bulk_stage: float = 30.0
     refined: float = 1e-16
+    handed_on: float = 1e-8
     most_work: int = 3000
     work_of_body: int = 30
 

@@ -45,7 +45,8 @@ def settled(
     for minimiser in minimisers:
         if before is not None and minimum is not None:
             minimiser.problem.start_from(before.problem, minimum.state)
-        enough = options.refined * abs(minimiser.problem.at(start).energy)
+        share = options.refined if minimiser is minimisers[-1] else options.handed_on
+        enough = share * abs(minimiser.problem.at(start).energy)
         minimum = minimiser.minimise(start, proximal, enough)
         if not minimum.is_found:
             return minimum
