@@ -146,7 +146,7 @@ class ContinuationOptions:
     condition: float = 1e-12
     most_updates: int = 40
     cycling: int = 200
-    slow: float = 0.01
+    slow: float = 0.1
     nothing: float = 1e-11
     farthest: float = 2.0
     hold_back: float = 100.0
