@@ -10,6 +10,8 @@ from ngcell.solve.options import SolverOptions
 #: Stiffness of penalty terms, in layers of elements behind the wall, at an accuracy; and the largest, at which they
 #: still find a way down at corners.
 _STIFF, _ASKED, _STIFFEST = 100.0, 0.01, 1e3
+#: Length by which conditions that multipliers enforce may be missed, as a share of the accuracy.
+_MISSED = 1e-8
 
 
 @dataclass(frozen=True)
@@ -37,4 +39,10 @@ class Options:
         stored = min(self.contact.stored, accuracy / 8)
         multiple = min(_STIFF * (_ASKED / accuracy) ** 2, _STIFFEST)
         stiff = replace(self.contact, penalty_multiple=max(self.contact.penalty_multiple, multiple), stored=stored)
-        return replace(self, contact=stiff)
+        path = self.solver.continuation
+        ends = replace(path, condition=max(path.condition, min(_MISSED * accuracy, _MISSED)))
+        return replace(self, contact=stiff, solver=replace(self.solver, continuation=ends))
+
+    def for_path(self) -> Options:
+        """Return the numbers for a mesh on which the load path is followed and nothing is reported: no multipliers."""
+        return replace(self, contact=replace(self.contact, only_leads=True))

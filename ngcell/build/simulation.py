@@ -76,7 +76,9 @@ class Simulation(Problems):
         finer_options = options.for_accuracy(scene.accuracy)
         is_given = len(stages) > 1 and not stages[-1].is_reported
         # A mesh that the case gives is the one that is reported: its contact, too, is as stiff as the accuracy asks.
-        super().__init__(stages[0].scene, clock or Clock(), finer_options if is_given else options, terms)
+        leads = len(stages) > 1 and not is_given
+        mine = finer_options if is_given else options.for_path() if leads else options
+        super().__init__(stages[0].scene, clock or Clock(), mine, terms)
 
         def build(finer: Stage) -> Simulation:
             return Simulation(

@@ -38,6 +38,8 @@ class ContactOptions:
     handover_stored : float
         Share of the stored energy that its penalty terms may have, > 0. On a sheared tissue it is below 1e-3; where it
         is more, walls are confined, and it is stiffened, and so are the penalty terms of the mortar method.
+    only_leads : bool
+        Whether equilibria only lead to those on finer meshes: then a penalty stands for the mortar method.
     """
 
     facing: float = -0.8
@@ -50,6 +52,7 @@ class ContactOptions:
     mortar_multiple: float = 3.0
     handover_multiple: float = 3.0
     handover_stored: float = 0.02
+    only_leads: bool = False
 
     def path_multiples(self, meant: float) -> list[float]:
         """Return the stiffnesses of the stages before the one that is meant, the softest first; at least one."""

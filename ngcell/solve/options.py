@@ -160,7 +160,7 @@ class ContinuationOptions:
     condition: float = 1e-12
     most_updates: int = 40
     cycling: int = 200
-    slow: float = 0.25
+    slow: float = 0.1
     nothing: float = 1e-11
     farthest: float = 2.0
     hold_back: float = 100.0
@@ -247,6 +247,9 @@ class SolverOptions:
         it: there Newton's method crawls along the curved valley of constant volume.
     transferred_bulk : float
         That ratio for states from a coarser mesh, which change their volume on the finer one.
+    handed_on : float
+        Decrement of a minimisation on a finer mesh from which a stiffer one, or multipliers, go on, as a share of the
+        energy.
     most_work, work_of_body : int
         Factorisations and refused trial steps of a step, all attempts together: for any scene, and more for each body.
         Iterations would bound no time, since some take a hundred of them.
@@ -259,6 +262,7 @@ class SolverOptions:
     direct_bulk: float = 1e4
     bulk_stage: float = 30.0
     transferred_bulk: float = 100.0
+    handed_on: float = 1e-8
     most_work: int = 3000
     work_of_body: int = 30
 

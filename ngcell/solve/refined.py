@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,10 +63,12 @@ def settled(
     for minimiser in minimisers:
         if before is not None and minimum is not None:
             minimiser.problem.start_from(before.problem, minimum.state)
+        share = refined if minimiser is minimisers[-1] else options.handed_on
         if path is None:
-            minimum = minimiser.minimise(start, proximal, refined * abs(minimiser.problem.at(start).energy))
+            minimum = minimiser.minimise(start, proximal, share * abs(minimiser.problem.at(start).energy))
         else:
-            minimum = recentred(minimiser, start, path.scale * path.options.recentred, path.options)
+            within, weight = replace(path.options, refined=share), path.scale * path.options.recentred
+            minimum = recentred(minimiser, start, weight, within)
         if not minimum.is_found:
             return minimum
         minimum = until_conditions_hold(minimiser, minimum, length, options.continuation)

@@ -48,7 +48,7 @@ CHANGES: dict[str, tuple[float, ...]] = {
     "solver.continuation.at_the_end": (1e-12, 1e-8),
     "solver.continuation.update": (0.05, 0.2),
     "solver.continuation.cycling": (100, 400),
-    "solver.continuation.slow": (0.1, 0.5),
+    "solver.continuation.slow": (0.05, 0.25),
     "solver.minimiser.inner.most_rounds": (4, 16),
     "solver.minimiser.inner.worthwhile_gain": (0.01, 0.04),
     "solver.minimiser.inner.lost": (1e4, 1e8),

@@ -8,6 +8,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.contact.methods.by_penalty import Penalty
 from ngcell.contact.methods.mortar import MortarContact
 from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
 from ngcell.contact.methods.protocol import ContactMethod
@@ -28,7 +29,13 @@ class Mortar(Section):
     def stages(
         self, walls: Surface, modulus_of_body: Array, *, reach: Reach, options: ContactOptions = DEFAULT_OPTIONS
     ) -> tuple[ContactMethod, ...]:
-        """Return two penalties, then the mortar method; see `ngcell.contact.methods.stages`."""
+        """Return two penalties, then the mortar method; see `ngcell.contact.methods.stages`.
+
+        Where equilibria only lead to those on finer meshes, they are those of the penalty method: which of them walls
+        find hardly depends on its overlaps, and its multipliers would be thrown away.
+        """
+        if options.only_leads:
+            return Penalty().stages(walls, modulus_of_body, reach=reach, options=options)
         path, handover, own = (
             penalty_stiffness(walls, modulus_of_body, multiple)
             for multiple in (options.path_multiple, options.handover_multiple, options.mortar_multiple)

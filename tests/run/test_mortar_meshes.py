@@ -1,0 +1,66 @@
+"""The mortar method on the meshes of a scene: it acts where numbers are reported, and ends where accuracy is met."""
+
+from __future__ import annotations
+
+from functools import cache
+from math import inf
+
+import pytest
+
+import ngcell
+from ngcell.build.options import Options
+from ngcell.build.reported import Step
+from ngcell.build.simulation import Simulation
+from ngcell.contact.methods.mortar import MortarContact
+from ngcell.contact.methods.penalty import PenaltyContact
+from ngcell.contact.methods.terms import ContactTerm
+
+
+def simulation(*sets: str) -> Simulation:
+    usual = ["load.displacement=[0.4, 0.0]", "load.levels=1", "contact.kind=mortar"]
+    return Simulation(ngcell.read_case("shear-empty-3x3", [*usual, *sets]))
+
+
+def method(scene: Simulation) -> type:
+    contact = scene.contact
+    assert isinstance(contact, ContactTerm)
+    return type(contact.method)
+
+
+@cache
+def solved(*sets: str) -> Step:
+    *_, step = simulation(*sets).accepted_steps()
+    return step
+
+
+def test_where_the_path_is_not_reported_it_is_followed_by_a_penalty():
+    scene = simulation()
+    assert method(scene) is PenaltyContact
+    assert method(scene.refinement.level(1)) is MortarContact
+
+
+@pytest.mark.parametrize("sets", ["accuracy=inf", "mesh.order=2"])
+def test_a_mesh_that_is_reported_has_the_contact_that_was_asked_for(sets):
+    assert method(simulation(sets)) is MortarContact
+
+
+def test_conditions_are_met_as_well_as_the_accuracy_asks_for():
+    strict = Options().solver.continuation.condition
+    asked = [Options().for_accuracy(accuracy).solver.continuation.condition for accuracy in (1e-3, 1e-2, inf)]
+    assert strict < asked[0] < asked[1]
+    # Where nothing is estimated, nobody asks for these numbers; they stay below what a certificate allows.
+    assert asked[2] <= 1e-6
+    assert Options().for_accuracy(1e-9).solver.continuation.condition == strict
+
+
+def test_on_the_reported_mesh_the_conditions_hold_and_the_energy_is_the_penaltys_within_the_error():
+    mortar, penalty = solved(), solved("contact.kind=penalty")
+    assert mortar.record.certified and penalty.record.certified
+    checks = {check.name: check.value for check in mortar.measurement.certificate.checks}
+    assert checks["weighted_overlap"] < 1e-8 and checks["weighted_complementarity"] < 1e-8
+    assert mortar.record.energy == pytest.approx(penalty.record.energy, rel=0.005)
+
+
+def test_the_mortar_takes_at_most_half_more_factorisations_than_the_penalty():
+    mortar, penalty = solved(), solved("contact.kind=penalty")
+    assert mortar.record.factorisations <= 1.5 * penalty.record.factorisations
