@@ -15,6 +15,7 @@ from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.mechanics.term import Role
 from ngcell.problem.problem import Problem
 from ngcell.problem.state import State
+from ngcell.results.certificate import LIMITS
 from ngcell.results.checks import NodalForces, scales_of
 from ngcell.results.error import Numbers
 from ngcell.results.forces import ContactForces, contact_forces
@@ -156,6 +157,8 @@ def _held_by_nothing(problem: Problem, setup: Setup, forces: ContactForces, prox
     if not problem.unknowns.lets_bodies_part:
         return ()
     pull = np.linalg.norm(problem.space.resultants(proximal_force), axis=1)
-    free = forces.pressed <= HELD * pull
+    # Where no pull is left, a force that a certificate takes for balance holds nothing.
+    largest = max(float(forces.pressed.max(initial=0.0)), scales_of(problem.space, setup.modulus, 0.0).force)
+    free = forces.pressed <= np.maximum(HELD * pull, LIMITS["residual"] * largest)
     free[np.unique(problem.space.body_of_unknown[setup.motion.fixed.any(0)])] = False
     return tuple(int(body) for body in np.flatnonzero(free))
