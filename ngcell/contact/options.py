@@ -35,9 +35,6 @@ class ContactOptions:
     handover_multiple : float
         Stiffness of the last penalty method before the mortar method takes over, > 0: walls overlap so little that they
         do not jump apart.
-    handover_stored : float
-        Share of the stored energy that its penalty terms may have, > 0. On a sheared tissue it is below 1e-3; where it
-        is more, walls are confined, and it is stiffened, and so are the penalty terms of the mortar method.
     only_leads : bool
         Whether equilibria only lead to those on finer meshes: then a penalty stands for the mortar method.
     """
@@ -51,7 +48,6 @@ class ContactOptions:
     stage_factor: float = 10.0
     mortar_multiple: float = 3.0
     handover_multiple: float = 3.0
-    handover_stored: float = 0.02
     only_leads: bool = False
 
     def path_multiples(self, meant: float) -> list[float]:

@@ -142,9 +142,7 @@ class Continuation:
             if not minimum.is_found:
                 break
             place, energy = minimum.state.displacement, minimum.state.energy
-            deepest, missed = minimiser.problem.update_multipliers(minimum.state)
-            if len(rest) > 1 and deepest > 0 and minimiser is not minimisers[0]:
-                continue  # too soft to hand over
+            _, missed = minimiser.problem.update_multipliers(minimum.state)
             if len(rest) > 1 and weight <= max(options.stiffen_at, options.end):
                 rest.pop(0)
                 rest[0].problem.start_from(minimiser.problem, minimum.state)

@@ -71,10 +71,10 @@ def settled(
             minimum = recentred(minimiser, start, weight, within)
         if not minimum.is_found:
             return minimum
-        minimum = until_conditions_hold(minimiser, minimum, length, options.continuation)
         start, before = minimum.state.displacement, minimiser
+    last = minimisers[-1]
     assert minimum is not None
-    return minimum
+    return until_conditions_hold(last, minimum, length, options.continuation)
 
 
 def stable(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -42,6 +41,6 @@ class Mortar(Section):
         )
         return (
             PenaltyContact(walls, path, reach, options=options),
-            PenaltyContact(walls, handover, reach, options=replace(options, stored=options.handover_stored)),
+            PenaltyContact(walls, handover, reach, may_stiffen=False, options=options),
             MortarContact(walls, own, reach, options),
         )

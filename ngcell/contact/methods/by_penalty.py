@@ -35,10 +35,6 @@ class Penalty(Section):
     ) -> tuple[ContactMethod, ...]:
         """Return penalties from the softest to the one that is meant; see `ngcell.contact.methods.stages`."""
         meant = options.penalty_multiple * self.stiffness
-        *softer, last = (
-            penalty_stiffness(walls, modulus_of_body, multiple) for multiple in (*options.path_multiples(meant), meant)
-        )
-        return (
-            *(PenaltyContact(walls, stiffness, reach, may_stiffen=False, options=options) for stiffness in softer),
-            PenaltyContact(walls, last, reach, options=options),
-        )
+        multiples = (*options.path_multiples(meant), meant)
+        stiffnesses = [penalty_stiffness(walls, modulus_of_body, multiple) for multiple in multiples]
+        return tuple(PenaltyContact(walls, stiffness, reach, options=options) for stiffness in stiffnesses)

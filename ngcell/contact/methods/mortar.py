@@ -85,8 +85,7 @@ class MortarContact:
         by_row = np.zeros(self.space.size)
         by_row[self.space.row] = stiffness[:, None]
         self._stiffness = self._all_rows(by_row, stiffness[constrained.facet])
-        self.multipliers = np.zeros(len(self._weight))
-        self._first_pace = self._pace = 1.0
+        self.multipliers, self._pace = np.zeros(len(self._weight)), 1.0
 
     def _allowed(self, nodes: Array) -> Array:
         """Return what is added to the gaps of point constraints; the sagitta of polygons grows where they bend."""
@@ -101,11 +100,7 @@ class MortarContact:
         return np.concatenate([by_function, np.repeat(by_point, self._bodies)])
 
     def follow(self, other: ContactMethod, positions: Array) -> None:
-        """Start from the pressures of another method at its equilibrium; point constraints start from none.
-
-        Penalty terms are as stiff as those of a penalty had to be made: ones that are softer than confined walls would
-        have to bear pressures that bend their gaps more than they stiffen them, and no minimum.
-        """
+        """Start from the pressures of another method at its equilibrium; point constraints start from none."""
         self._integration.renew(self.walls.nodes(positions))
         along, _ = self._integration.points(self.walls.nodes(positions))
         by_facet = np.argsort(along.primary, kind="stable")
@@ -113,7 +108,7 @@ class MortarContact:
         points = SurfacePoints(along.primary[by_facet], along.primary_xi[by_facet], along.weight[by_facet])
         pressure[by_facet] = other.pressures(positions, points)
         rows = np.arange(self.space.size)
-        self._first_pace = self._pace = float(getattr(other, "raised", 1.0))
+        self._pace = 1.0
         self._allowance = self._allowed(self.walls.nodes(positions))
         self.multipliers = self._all_rows(self._shares(along, rows) @ pressure, np.zeros(len(self._constrained_facet)))
 
@@ -187,10 +182,7 @@ class MortarContact:
 
     def update_multipliers(self, contact: ContactSet, positions: Array, stored: StoredEnergy) -> tuple[float, float]:
         """Take the pressures of an equilibrium as multipliers; return the largest gap [length] that their change stands
-        for, and the energy of that change in the penalty terms [stress * length**2].
-
-        Gaps are those of penalty terms that no penalty has raised: pressures are met as well by stiffer ones.
-        """
+        for, and the energy of that change in the penalty terms [stress * length**2]."""
         assert isinstance(contact, MortarSet)
         if self._integration.renew(self.walls.nodes(positions)):
             contact = self.pair(positions)
@@ -198,12 +190,11 @@ class MortarContact:
         stiffness = self._pace * self._stiffness
         missed = np.abs(applied - self.multipliers) / stiffness
         self.multipliers = applied
-        energy = float((stiffness * self._weight * missed**2).sum()) / 2
-        return float(missed.max(initial=0.0)) * self._first_pace, energy
+        return float(missed.max(initial=0.0)), float((stiffness * self._weight * missed**2).sum()) / 2
 
     def increase_penalty(self) -> None:
         """Stiffen the penalty terms: the stiffness of confined walls is more than they were made for."""
-        self._pace = min(PENALTY_INCREASE * self._pace, MOST_INCREASE * self._first_pace)
+        self._pace = min(PENALTY_INCREASE * self._pace, MOST_INCREASE)
 
     def _applied(self, contact: MortarSet, positions: Array) -> Array:
         applied = np.zeros_like(self.multipliers)
