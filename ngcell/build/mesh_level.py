@@ -21,7 +21,6 @@ from ngcell.results.equilibrium import Setup
 from ngcell.results.error import Errors
 from ngcell.solve.effort import OutOfIterations
 from ngcell.solve.minimise import Minimiser
-from ngcell.solve.proximal import ProximalTerm
 from ngcell.solve.refined import has_contact, settled, stable
 from ngcell.solve.released import Released
 from ngcell.solve.step import Accepted, spent
@@ -122,21 +121,15 @@ class Level(Generic[Scene]):
         mine, accepted = self.simulation, coarse.accepted
         load, is_tied = accepted.load_factor, accepted.phase == "tied"
         before = coarse.simulation.problem_of(accepted.phase)
-
-        def taken(displacement: Array) -> Array:
-            whole = before.expand(displacement)
-            return transferred(whole, coarse.simulation.space, mine.space)
-
-        proximal = accepted.minimum.proximal
-        start = mine.motion.imposed(taken(accepted.minimum.state.displacement), load)
-        held = ProximalTerm(proximal.weight, taken(proximal.centre) if proximal.weight else start)
+        whole = before.expand(accepted.minimum.state.displacement)
+        start = mine.motion.imposed(transferred(whole, coarse.simulation.space, mine.space), load)
+        path = self._released.path if accepted.minimum.proximal.weight else None
         for softer, last in [self._tied_at(start, load)] if is_tied else self._attempts():
             effort = spent((*softer, *last))
             self._prepare(softer, last, before, accepted, start)
             try:
                 length, options = self._released.longest_step, mine.options.solver
-                path = self._released.path if held.weight else None
-                minimum = settled(last, start, held, softer=softer, length=length, options=options, path=path)
+                minimum = settled(last, start, softer=softer, length=length, options=options, path=path)
             except OutOfIterations:
                 return None
             accepted = replace(accepted, effort=accepted.effort + (spent((*softer, *last)) - effort))

@@ -22,7 +22,6 @@ Array = NDArray[np.float64]
 def settled(
     minimisers: Sequence[Minimiser],
     start: Array,
-    proximal: ProximalTerm,
     *,
     softer: Sequence[Minimiser] = (),
     length: float,
@@ -41,8 +40,6 @@ def settled(
         Of the finer mesh: the last is of the problem that is meant, and those before it lead to its multipliers.
     start : array of float, shape (unknowns,)
         The state, with prescribed values in place [length].
-    proximal : ProximalTerm
-        What held floating bodies, and holds them still.
     softer : sequence of Minimiser
         Of walls of smaller bulk moduli, which come first.
     length : float
@@ -53,9 +50,9 @@ def settled(
         The continuation on this mesh, if bodies may float: the proximal term then holds them where they are.
     """
     minimum, before = None, None
-    refined = options.continuation.refined
+    refined, weight = options.continuation.refined, 0.0 if path is None else path.scale * path.options.recentred
     for minimiser in softer:
-        held = proximal if path is None else ProximalTerm(path.scale * path.options.recentred, start)
+        held = ProximalTerm(weight, start)
         minimum = minimiser.minimise(start, held, refined * abs(minimiser.problem.at(start).energy))
         if not minimum.is_found:
             return minimum
@@ -65,10 +62,10 @@ def settled(
             minimiser.problem.start_from(before.problem, minimum.state)
         share = refined if minimiser is minimisers[-1] else options.handed_on
         if path is None:
-            minimum = minimiser.minimise(start, proximal, share * abs(minimiser.problem.at(start).energy))
+            held = ProximalTerm(weight, start)
+            minimum = minimiser.minimise(start, held, share * abs(minimiser.problem.at(start).energy))
         else:
-            within, weight = replace(path.options, refined=share), path.scale * path.options.recentred
-            minimum = recentred(minimiser, start, weight, within)
+            minimum = recentred(minimiser, start, weight, replace(path.options, refined=share))
         if not minimum.is_found:
             return minimum
         start, before = minimum.state.displacement, minimiser
