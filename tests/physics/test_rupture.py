@@ -99,9 +99,9 @@ def tissue(*sets: str) -> list[Step]:
     return simulate(read_case("shear-empty-3x3", ["expected=[]", *sets]))
 
 
-@pytest.mark.parametrize("ratio", [100.0, 300.0])
+@pytest.mark.parametrize("ratio", [20.0, 50.0, 100.0, 300.0])
 def test_a_cell_under_pressure_bears_what_finer_elements_say(ratio: float):
-    """With the volume ratio of the displacement alone it is 2.5 and 5.7 times as much at order 3."""
+    """With the volume ratio of the displacement alone it is 1.2, 1.7, 2.5 and 5.7 times as much at order 3."""
     bulk = f"material.bulk_modulus={2 * ratio!r}"
     cell = ("tissue.rows=1", "lumen.kind=pressure", "lumen.pressure=0.02", "load.displacement=[0.2, 0.0]", bulk)
     single = ("tissue.cols=2", "load.levels=1", "accuracy=inf", "material.strength=0.1")
@@ -145,4 +145,5 @@ def test_averages_converge_where_the_largest_stress_does_not():
         averages.append(step.record.more["utilisation"])
         peaks.append(np.linalg.eigvalsh(step.snapshot.bulk.point_data["cauchy_stress"].reshape(-1, 3, 3))[:, -1].max())
     assert peaks[2] > 1.3 * peaks[1] > 1.3**2 * peaks[0]
-    assert abs(averages[2] - averages[1]) < 0.5 * abs(averages[1] - averages[0]) < 0.01 * averages[0]
+    assert abs(averages[1] - averages[0]) < 0.03 * averages[0]
+    assert abs(averages[2] - averages[1]) < 0.1 * abs(averages[1] - averages[0])
