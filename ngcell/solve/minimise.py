@@ -28,6 +28,7 @@ from ngcell.solve.one_sided import Matrix, OneSidedModel, minimise_one_sided
 from ngcell.solve.options import MinimiserOptions
 from ngcell.solve.problem import Linearisation, Problem, State
 from ngcell.solve.proximal import ProximalTerm
+from ngcell.solve.stall import Progress
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -75,27 +76,27 @@ class Minimiser:
     ) -> Minimum:
         """Descend from `start` until the Newton decrement is below `tolerance` [energy], or lost in round-off.
 
-        It ends after `most` iterations, by default as many as the options say.
+        It ends after `most` iterations, by default as many as the options say, and where they lead nowhere.
         """
         state, damping, decrement = self._at(start), self._damper.none, float("inf")
-        lowest, idle = decrement, 0
+        progress = Progress(self.options.idle)
         if not np.isfinite(state.energy):
             return Minimum(state, Ending.NO_ENERGY, decrement, proximal)
         for _ in range(most or self.options.most_iterations):
             self.clock.check()
             self.effort.iterations += 1
             self.budget.charge(self.effort)
+            total, refusals = self._total(state, proximal), self.effort.refusals
             advance = self._descend(state, proximal, damping, tolerance)
             if advance is None:
                 return Minimum(state, Ending.NO_DESCENT, decrement, proximal)
             state, damping, decrement = advance.state, advance.damping, advance.decrement
             if not advance.was_damped and (decrement <= tolerance or self._is_lost(state, decrement)):
                 return Minimum(state, Ending.CONVERGED, decrement, proximal)
-            if decrement < lowest / 4:
-                lowest, idle = decrement, 0
-            elif decrement <= 4 * lowest:
-                idle += 1
-            if idle == self.options.idle and lowest <= self._unseen(state):
+            progress.note(decrement, total, self.effort.refusals > refusals)
+            if progress.creeps(self._total(state, proximal), tolerance):
+                return Minimum(state, Ending.STALLED, decrement, proximal)
+            if progress.rests_below(self._unseen(state)):
                 return Minimum(state, self._ending_of_stall(state, proximal), decrement, proximal)
         return Minimum(state, Ending.TOO_MANY_ITERATIONS, decrement, proximal)
 
@@ -158,6 +159,9 @@ class Minimiser:
         """Return the energy of a proximal term."""
         return proximal.value(displacement, self.problem.mass)
 
+    def _total(self, state: State, proximal: ProximalTerm) -> float:
+        return state.energy + self.proximal_energy(state.displacement, proximal)
+
     @property
     def _noise(self) -> float:
         return self.options.noise * self.energy_scale
@@ -190,7 +194,7 @@ class Minimiser:
         """
         with self.clock.phase("assembly"):
             line = self.problem.linearise(state)
-        energy = state.energy + self.proximal_energy(state.displacement, proximal)
+        energy = self._total(state, proximal)
         lost = max(self.options.round_off * abs(energy), self._noise)
         undamped, matrix = self.assembly.model(state, line, proximal)
         is_last = False

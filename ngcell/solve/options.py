@@ -47,7 +47,8 @@ class MinimiserOptions:
         A decrement below the share `stalled` of the energy, or below `unseen` times its round-off at rest, is lost once
         as many iterations as `idle` left it at its lowest: forces are round-off, or steps go to and fro at a kink of
         the energy, as where walls end at a corner of three cells. Fewer do not tell: where cells roll, it rests before
-        it falls again.
+        it falls again. As many iterations whose steps were refused at first, and that gained less together than the
+        minimisation is to be exact, creep along such a kink.
     touching : float
         Gap below which a prediction keeps walls closed.
     noise : float

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
@@ -85,6 +85,23 @@ class Landscape:
         return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
 
 
+class Crease(Landscape):
+    """A bowl along y that is folded along x = 0, of which its models see one side.
+
+    E = 10 |x| + y^2 / 2
+    """
+
+    def at(self, displacement: np.ndarray) -> Point:
+        x, y, _ = displacement
+        return Point(displacement, 10 * abs(x) + y * y / 2)
+
+    def linearise(self, state: Point) -> Model:
+        x, y, _ = state.displacement
+        return replace(
+            super().linearise(state), gradient=np.array([10 * np.sign(x), y, 0.0]), stiffness=np.array([1.0, 1.0, 0.0])
+        )
+
+
 def descend(
     problem: Landscape,
     start: tuple,
@@ -92,11 +109,12 @@ def descend(
     *,
     longest_step: float = 0.5,
     budget: Budget | None = None,
+    tolerance: float = 0.0,
     **numbers: int,
 ) -> Minimum:
     options, most = MinimiserOptions(**numbers), budget or Budget()
     minimiser = Minimiser(problem, longest_step, energy_scale=1.0, options=options, budget=most)
-    return minimiser.minimise(np.array(start, dtype=float), proximal)
+    return minimiser.minimise(np.array(start, dtype=float), proximal, tolerance)
 
 
 @pytest.mark.parametrize("longest_step", [0.5, np.inf])
@@ -154,6 +172,13 @@ def test_every_ending_has_its_cause():
     short = descend(Landscape(free=held), (2.5, 0.0, 0.0), most_iterations=2)
     assert short.ending is Ending.TOO_MANY_ITERATIONS
     assert short.state.energy < Landscape().at(np.array([2.5, 0, 0])).energy
+
+
+def test_where_steps_creep_along_a_kink_a_minimisation_ends_as_exact_as_it_is_to_be():
+    crease = Crease(free=np.array([True, True, False]))
+    rough, exact = (descend(crease, (0.01, 1.0, 0.0), tolerance=tolerance) for tolerance in (1e-2, 1e-9))
+    assert rough.ending is Ending.STALLED
+    assert exact.state.energy < rough.state.energy < 1
 
 
 def test_held_unknowns_keep_their_values():
