@@ -18,6 +18,7 @@ from ngcell.build.balance import check_balance
 from ngcell.build.discretisation import discretise
 from ngcell.build.drift import check_nothing_drifts
 from ngcell.build.options import Options
+from ngcell.build.scales import scales_in_reach
 from ngcell.clock import Clock
 from ngcell.contact.cohesion.bonds import bond_walls
 from ngcell.contact.methods.by_penalty import Penalty
@@ -79,7 +80,8 @@ class Problems:
             self.bodies, self.space, self.motion = built.space.bodies, built.space, built.motion
             self.walls = find_surface(self.bodies, self.space.scalar, self.space.rest)
         self._budget = Budget(options.solver.work_of(self.bodies.body_count))
-        self.longest_step = self.bodies.thickness / 2
+        self._scales = scales_in_reach(self.space, self.motion, built.walls, built.solids)
+        self.longest_step = self._scales.thickness / 2
         self.setup = Setup(
             walls=self.walls,
             facing=find_facing(self.walls, _TOUCHING * self.bodies.thickness_of_body, self._facing_reach),
@@ -216,13 +218,12 @@ class Problems:
     def released(self) -> Released:
         """Minimisers of the released walls, and the continuation that selects one of their equilibria."""
         apart = Problem(self.space, (*self._volume_stages[0], *self.cohesion), self.motion.fixed)
-        softest, stiffest = self._moduli
         return Released(
             self._minimiser(apart, self.longest_step),
             tuple(self._minimiser(problem, self.longest_step) for problem in self.released_problems),
             self.continuation,
             is_alone=self.bodies.body_count == 1,
-            is_mixed=stiffest > softest,
+            is_mixed=self._scales.stiffest > self._scales.softest,
             stability=self.options.solver.stability,
         )
 
@@ -239,18 +240,14 @@ class Problems:
     @property
     def continuation(self) -> Continuation:
         """The path on which equilibria of released walls are selected."""
-        (softest, stiffest), options = self._moduli, self.options.solver.continuation
+        scales, options = self._scales, self.options.solver.continuation
         # Contact is as stiff as the softer body of a pair; what the proximal term has to outweigh at first is the
         # stiffest.
-        first = options.first_overlapping if self._overlaps_at_rest(_TOUCHING) else options.first * stiffest / softest
+        contrast = scales.stiffest / scales.softest
+        first = options.first_overlapping if self._overlaps_at_rest(_TOUCHING) else options.first * contrast
         if isfinite(self.setup.accuracy):
             options = options.within(self.setup.accuracy)
-        return Continuation(softest / self.bodies.length**2, replace(options, first=first))
-
-    @property
-    def _moduli(self) -> tuple[float, float]:
-        """Shear modulus of the softest wall, and of the stiffest solid there is."""
-        return self.setup.modulus, max(law.shear_modulus for law in self.discretisation.solids)
+        return Continuation(scales.softest / scales.length**2, replace(options, first=first))
 
     def _overlaps_at_rest(self, share: float) -> bool:
         """Return whether walls overlap at rest by more than a share of the thickness, as for a press-fit."""
@@ -259,7 +256,7 @@ class Problems:
 
     def _minimiser(self, problem: Problem, longest_step: float) -> Minimiser:
         volume = float(self.space.one @ self.space.scalar_mass @ self.space.one)
-        scale, options = self._moduli[1] * volume, self.options.solver.minimiser
+        scale, options = self._scales.stiffest * volume, self.options.solver.minimiser
         return Minimiser(problem, longest_step, scale, options=options, clock=self.clock, budget=self._budget)
 
     def problem_of(self, phase: str) -> Problem:

@@ -165,7 +165,7 @@ class Simulation(Problems):
     def starts_at_rest(self) -> bool:
         """Whether bodies at rest are in equilibrium before the load: nothing acts in full then, and none overlap."""
         apart = Problem(self.space, self._volume_stages[-1], self.motion.fixed)
-        return is_balanced_at_rest(apart, self.motion, self._moduli[0]) and not self._overlaps_at_rest(NO_OVERLAP)
+        return is_balanced_at_rest(apart, self.motion, self.setup.modulus) and not self._overlaps_at_rest(NO_OVERLAP)
 
     def follow(self, checkpoint: Checkpoint) -> Iterator[Accepted]:
         """Yield the steps that the strategy accepts after a checkpoint, before they are measured."""
