@@ -99,7 +99,7 @@ def _box(name: str, low: tuple[float, float, float], size: tuple[float, float, f
 
 
 @cache
-def _pair_in_space(far_height: float, accuracy: float) -> tuple[float, float]:
+def _pair_of_solids(far_height: float, accuracy: float) -> tuple[float, float]:
     """Return normal force and mean gap of two boxes beside a third one of a height, or none."""
     bodies = [_box("lower", (0, 0, 0), (1, 1, 1)), _box("upper", (-0.1, 0.1, 1), (0.7, 0.7, 0.7))]
     supports = [BodySupport("lower_low"), BodySupport("upper_top", translation=(0.0, 0.0, -0.25))]
@@ -115,4 +115,4 @@ def _pair_in_space(far_height: float, accuracy: float) -> tuple[float, float]:
 @pytest.mark.parametrize(("height", "accuracy"), [(0.2, inf), (0.2, 0.15)])
 def test_a_far_solid_changes_nothing(height: float, accuracy: float) -> None:
     """At a finite accuracy one that is thin limited the steps of all, and moved the force by 1.6 %."""
-    assert _pair_in_space(height, accuracy) == pytest.approx(_pair_in_space(0.0, accuracy), rel=1e-8)
+    assert _pair_of_solids(height, accuracy) == pytest.approx(_pair_of_solids(0.0, accuracy), rel=1e-8)

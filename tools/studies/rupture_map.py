@@ -33,7 +33,7 @@ TABLE, FIGURE = RESULTS / "rupture-map.csv", DOCS / "rupture-map.png"
 #: Traction that bonds bear [stress], each with an energy of 0.03 times that; pressures in the cells [stress].
 COHESION, PRESSURES = (0.0125, 0.025, 0.05, 0.1), (0.0, 0.01, 0.02)
 #: Tissues, their settings, and the colour of their boundary; Voronoi cells of as many seeds as are asked for. At free
-#: sides pressure turns their corners into each other, by more than 2 % of the wall where contact has its usual stiffness.
+#: sides pressure turns their corners into each other, with the usual stiffness of contact by more than 2 % of the wall.
 TISSUES = {
     "3x3": ("shear-empty-3x3", ("tissue.rows=3", "tissue.cols=3"), "#1b1b1b"),
     "3x3, coarser mesh": ("shear-empty-3x3", ("mesh.grading=0",), "#8a8f98"),
