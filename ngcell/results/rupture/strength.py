@@ -34,6 +34,8 @@ from ngcell.results.rupture.averages import averages_of
 
 Array = NDArray[np.float64]
 
+#: Share below which utilisations of bodies that are alike by symmetry differ.
+_ALIKE = 1e-6
 #: Further columns of the table of steps.
 COLUMNS = ("utilisation", "utilisation_error", "utilisation_cell", "utilisation_x", "utilisation_y")
 
@@ -55,8 +57,9 @@ class Utilisation:
 
     @property
     def body(self) -> int:
-        """The body that is nearest to rupture."""
-        return int(np.nanargmax(np.where(np.isnan(self.of_body), -1.0, self.of_body)))
+        """The body that is nearest to rupture, the first of those that are as near but for round-off."""
+        known = np.where(np.isnan(self.of_body), -1.0, self.of_body)
+        return int(np.flatnonzero(known >= known.max() - _ALIKE * abs(known.max()))[0])
 
     @property
     def largest(self) -> float:
