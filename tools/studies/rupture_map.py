@@ -13,6 +13,7 @@ colours are of runs that are certified until then, and crosses are the others; `
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from itertools import product
 from time import process_time
 from typing import Any
@@ -21,6 +22,7 @@ import click
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 import ngcell
 from ngcell.build.reported import Step
@@ -103,7 +105,7 @@ def measured(tissue: str, seed: int, cohesion: float, pressure: float) -> dict[s
 
 def draw(rows: list[dict[str, str]]) -> None:
     """Draw a panel a pressure: the boundary of each tissue, with its spread over seeds."""
-    figure = Figure(figsize=(11, 4.2), layout="constrained")
+    figure = Figure(figsize=(11, 4.7), layout="constrained")
     panels = np.ravel(figure.subplots(1, len(PRESSURES), sharex=True, sharey=True))
     known = [row for row in rows if row["boundary"]]
     values = [float(row["boundary"]) for row in known]
@@ -124,8 +126,16 @@ def draw(rows: list[dict[str, str]]) -> None:
                     axes.plot(float(row["cohesion"]), float(row["boundary"]), "x", color=colour, markersize=7)
         axes.text(0.05, 0.94, "separated first", transform=axes.transAxes, fontsize=10, color="#1f5f8b")
         axes.text(0.95, 0.04, "burst first", transform=axes.transAxes, fontsize=10, color="#b3361e", ha="right")
-        axes.legend(fontsize=7, frameon=False, loc="upper left", bbox_to_anchor=(0.0, 0.93))
     panels[0].set_ylabel("strength of walls")
+    signs = {r"$\uparrow$": "nothing separates", "o": "pressure alone separates", "x": "not certified"}
+    if all(row["certified"] == "True" for row in known):
+        del signs["x"]
+    plain = Line2D([], [], color="#555a63", linestyle="none", fillstyle="none")
+    marks = [copy(plain) for _ in signs]
+    for mark, (sign, words) in zip(marks, signs.items(), strict=True):
+        mark.set(marker=sign, label=words)
+    handles = {line.get_label(): line for axes in panels for line in axes.lines if line.get_label()[0] != "_"}
+    figure.legend(handles=[*handles.values(), *marks], fontsize=8, frameon=False, loc="outside lower center", ncols=4)
     figure.savefig(FIGURE, dpi=130)
 
 
