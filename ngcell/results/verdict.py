@@ -14,6 +14,7 @@ Summary = Mapping[str, Any]
 
 #: Numbers of the last step that are told with their errors.
 _TOLD = ("energy", "mean_gap", "largest_gap", "plate_force", "contact_force")
+_OF_RELEASED = {"mean_gap", "largest_gap", "contact_force"}
 #: What to do where a check fails, by its name.
 ADVICE = {
     "residual": "refine the mesh (mesh.size), or ask for smaller load steps (load.levels)",
@@ -94,12 +95,28 @@ def error_remark(summary: Summary) -> str:
     return "" if known is not None and isfinite(known) else "the error of the last step could not be estimated"
 
 
+def last_load(summary: Summary) -> str:
+    """Return in words at which load the last accepted step is; empty where there is none."""
+    last = summary.get("last_step") or {}
+    if not last:
+        return ""
+    moved = f"plate displacement {last['plate_displacement']:.4g}, " if last.get("plate_displacement") else ""
+    return f"{moved}load factor {last['load_factor']:.4g}{', walls still tied' if _is_tied(summary) else ''}"
+
+
+def _is_tied(summary: Summary) -> bool:
+    return (summary.get("last_step") or {}).get("phase") == "tied"
+
+
 def last_numbers(summary: Summary) -> dict[str, tuple[float, float | None]]:
-    """Return numbers of the last step, each with its estimated error or None; the plate force is the size of it."""
+    """Return numbers of the last step, each with its estimated error or None; the plate force is the size of it.
+
+    Walls that are still tied have neither gaps nor contact forces.
+    """
     last = summary.get("last_step") or {}
     sizes = {"plate_force": hypot(*(last.get(f"plate_force_{axis}") or 0.0 for axis in "xyz"))} if last else {}
     found = {}
-    for name in _TOLD:
+    for name in (name for name in _TOLD if name not in _OF_RELEASED or not _is_tied(summary)):
         value, error = sizes.get(name, last.get(name)), last.get(f"{name}_error")
         if value is not None:
             found[name] = (value, error if error is not None and isfinite(error) else None)
