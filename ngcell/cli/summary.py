@@ -136,4 +136,8 @@ def _shown(value: object) -> str:
         return f"{value:.4g}"
     if value is None:
         return "none"
-    return ", ".join(map(_shown, value)) if isinstance(value, (list, tuple)) else str(value)
+    if isinstance(value, Mapping):
+        return ", ".join(f"{_words(name)} {_shown(entry)}" for name, entry in value.items())
+    if isinstance(value, (list, tuple)):
+        return ("; " if value and isinstance(value[0], Mapping) else ", ").join(map(_shown, value))
+    return str(value)

@@ -64,6 +64,13 @@ def test_walls_that_are_still_tied_have_no_gaps_and_are_told_to_be_tied() -> Non
     assert last_load({}) == ""
 
 
+def test_of_a_tissue_that_nothing_strains_no_round_off_is_told() -> None:
+    apart = run(nothing_strained=True)
+    assert list(last_numbers(apart)) == ["mean_gap"]
+    assert last_numbers(apart | {"last_step": LAST | {"mean_gap": 1e-16}}) == {}
+    assert "no wall is strained" in error_remark(apart)
+
+
 def test_numbers_have_errors_where_they_are_known() -> None:
     numbers = last_numbers(run())
     assert numbers["energy"] == (2.0, 0.1)
