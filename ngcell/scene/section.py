@@ -6,10 +6,12 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, ValidationError
-from pydantic_core import ErrorDetails
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetJsonSchemaHandler, Strict, ValidationError
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema, ErrorDetails
 
 from ngcell.errors import CaseError
+from ngcell.scene.meanings import meanings
 
 #: Frozen, without unknown keys; a number is a number (never a string or a boolean) and finite.
 SECTION = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
@@ -53,6 +55,16 @@ class Section(BaseModel):
 
     # With this mark the library does not call `__init__` for tables of files: their mistakes are told by the reader.
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        """Return the schema of the table, whose entries mean what the docstrings say."""
+        told, node = meanings(cls), handler(schema)
+        for entry, what in handler.resolve_ref_schema(node).get("properties", {}).items():
+            if entry in told:
+                what["description"] = told[entry]
+        return node
 
 
 def _complaint(section: type[BaseModel], detail: ErrorDetails) -> str:
