@@ -15,6 +15,7 @@ from ngcell.scene.complaint import CaseText, complaints
 from ngcell.scene.inheritance import CaseTable, read_table
 from ngcell.scene.kinds import AnyCase, kind_of_case
 from ngcell.scene.overrides import Setting, settings_of, title_of_changed, with_settings
+from ngcell.scene.section import validated
 from ngcell.scene.written_bodies import written_bodies
 
 #: Keys that say how a scene is solved, or nothing about it: expected numbers hold whatever they are.
@@ -69,7 +70,7 @@ def variant(name: str, said: CaseTable, settings: Sequence[Setting]) -> AnyCase:
         before = {key: value for key, value in before.items() if key != "expected"}
     table = with_settings(before, settings)
     try:
-        return kind_of_case(table).model_validate(table)
+        return validated(kind_of_case(table), table)
     except ValidationError as error:
         overridden = {setting.path: setting.place or f"{name}: --set" for setting in settings}
         raise CaseError("\n".join(complaints(error, CaseText(name, table, said.places, overridden)))) from None

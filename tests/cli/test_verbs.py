@@ -54,13 +54,13 @@ def test_cases_lists_names_and_titles() -> None:
 def test_schema_is_json() -> None:
     answer = CliRunner().invoke(ngcell, ["schema"])
     assert answer.exit_code == 0
-    assert json.loads(answer.stdout)["$defs"]["Case"]["required"] == ["tissue", "material", "load"]
+    assert {"tissue", "material", "load", "bodies", "extends"} <= json.loads(answer.stdout)["properties"].keys()
 
 
 def test_schema_is_written_for_editors(tmp_path: Path) -> None:
     answer = CliRunner().invoke(ngcell, ["schema", "--out", str(tmp_path / "case.schema.json")])
     assert answer.stdout == "first line of a case file beside it: #:schema case.schema.json\n"
-    assert json.loads((tmp_path / "case.schema.json").read_text())["$defs"]["Case"]
+    assert "tissue" in json.loads((tmp_path / "case.schema.json").read_text())["properties"]
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
