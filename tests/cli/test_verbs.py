@@ -73,6 +73,7 @@ def test_shells_complete_commands_and_options(shell: str) -> None:
     assert {"solve", "report", "view"} <= {one.value for one in found.get_completions([], "")}
     assert "--resume" in {one.value for one in found.get_completions(["solve"], "--re")}
     assert "shear-empty-3x3" in {one.value for one in found.get_completions(["solve"], "shear-")}
+    assert "irregular" in {one.value for one in found.get_completions(["sweep"], "irr")}
     assert "_NGCELL_COMPLETE" in found.source()
 
 
