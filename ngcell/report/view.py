@@ -183,7 +183,7 @@ def _said(value: Any) -> str:
 
 def _effort(summary: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Yield how large the scene was, what its solution took, and by which versions."""
-    for key, title in (("bodies", "cells"), ("facing_pairs", "pairs of facing walls")):
+    for key, title in (("bodies", "bodies"), ("facing_pairs", "pairs of facing walls")):
         if summary.get(key) is not None:
             yield title, str(summary[key])
     meshes: Iterable[Mapping[str, Any]] = summary.get("meshes") or ()
