@@ -147,7 +147,7 @@ def _draw_ends(axes: Axes, cells: Grid, ends: Sequence[str], size: CellSize) -> 
 
 
 def _draw_plan(figure: Figure, axes: Axes, pairs: Sequence[PairOnset], cells: Grid, size: CellSize) -> None:
-    """Draw the common wall of each pair; those that have not opened in grey.
+    """Draw the common wall of each pair; those that have not opened dotted and in grey.
 
     Layers of prisms are laid out side by side, the lowest first; a wall between two layers is a dot in the lower one.
     """
@@ -166,15 +166,17 @@ def _draw_plan(figure: Figure, axes: Axes, pairs: Sequence[PairOnset], cells: Gr
     scale = Normalize(*((onset[opened].min(), onset[opened].max()) if opened.any() else (0.0, 1.0)))
     shown = ScalarMappable(scale, "plasma_r")
     colour = np.where(opened[:, None], shown.to_rgba(onset), to_rgba(_CLOSED))
-    axes.add_collection(
-        LineCollection(list(lines), colors=colour[number], linewidths=size.at_most(*_WALL), capstyle="round")
-    )
+    for which, style in ((~opened, (0, (0.1, 2.8))), (opened, "solid")):
+        chosen = which[number]
+        look: dict[str, Any] = {"linewidths": size.at_most(*_WALL), "capstyle": "round", "linestyles": [style]}
+        axes.add_collection(LineCollection(list(lines[chosen]), colors=colour[number[chosen]], **look))
     dots = np.where(layer[first] < layer[second], first, second)[~level]
     axes.scatter(place[dots, 0], place[dots, 1], s=size.at_most(9.5, 0.3) ** 2, color=colour[~level])
     drawn = np.concatenate([lines.reshape(-1, 2), place[dots]])
     axes.set(xlim=_limits(drawn[:, 0]), ylim=_limits(drawn[:, 1]), aspect="equal")
     axes.set_axis_off()
-    axes.set_title(f"{int(opened.sum())} of {len(pairs)} wall pairs have opened", fontsize=10.5, color=INK)
+    others = "" if opened.all() else " (the others are dotted)"
+    axes.set_title(f"{int(opened.sum())} of {len(pairs)} wall pairs have opened{others}", fontsize=10.5, color=INK)
     if opened.any():
         bar = figure.colorbar(shown, cax=figure.add_axes(_BAR_PANEL))
         bar.set_label("opened at plate displacement", color=INK, labelpad=7)

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.export.outline import bodies_that_are
 from ngcell.report.fields import BODIES, Field, fields_of
 from ngcell.report.surface import Surface, is_of_rigid, is_solid, surface_of, wall_lines, wall_triangles
 from ngcell.results.snapshot import Grid, Snapshot
@@ -118,7 +119,6 @@ def _drawn_shape(surface: Surface, snapshot: Snapshot) -> dict[str, Any]:
     return {
         "triangles": _packed(surface.triangles, "<u4"),
         "lines": _packed(surface.lines, "<u4"),
-        "dashed": _packed(surface.dashed, "<u1"),
         "owner": _packed(surface.owner, "<u2"),
         "loops": _packed(_ended(surface.loops), "<i4"),
         "rigid": _packed(_ended(surface.rigid), "<i4"),
@@ -142,6 +142,7 @@ def _encoded_level(
         "plate_displacement": state.plate_displacement,
         "certified": level.certified,
         "shape": level.shape,
+        "free": sorted(bodies_that_are("free", state.bulk)),
         "places": _rounded(level.places.T, low[:, None], high[:, None]),
         "wall_places": _rounded(level.wall_places.T, low[:, None], high[:, None]),
         "values": {name: _rounded(level.fields[name].values, *ranges[name]) for name in names},

@@ -48,8 +48,6 @@ class Surface:
         Places in `points`.
     lines : array of int, shape (lines, 2)
         Ends of the lines, as places in `points`.
-    dashed : array of bool, shape (lines,)
-        Lines around cells that nothing holds.
     owner : array of int, shape (points,)
         Cell that each point belongs to.
     loops : list of array of int
@@ -61,7 +59,6 @@ class Surface:
     points: Index
     triangles: Index
     lines: Index
-    dashed: NDArray[np.bool_]
     owner: Index
     loops: list[Index]
     rigid: list[Index]
@@ -94,7 +91,6 @@ def surface_of(grid: Grid) -> Surface:
         points=points,
         triangles=number[triangles],
         lines=number[lines],
-        dashed=np.isin(owner[lines[:, 0]], list(bodies_that_are("free", grid))),
         owner=owner[points],
         loops=[number[loop] for loop in loops],
         rigid=[number[loop] for loop in rigid],

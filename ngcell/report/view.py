@@ -29,8 +29,8 @@ from ngcell.results.verdict import (
 )
 
 _HINT_PLANE = (
-    "Cells with a dashed red outline are held by nothing. Zoom with the buttons or + and -, move by dragging or with "
-    "the arrow keys; the pointer reads values."
+    "Cells whose lumen is hatched and whose outline is dashed are held by nothing. Zoom with the buttons or + and -, "
+    "move by dragging or with the arrow keys; the pointer reads values."
 )
 _HINT_SOLID = "Rotate by dragging or with the arrow keys, zoom with the buttons or + and -; the pointer reads values."
 

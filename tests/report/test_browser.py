@@ -146,6 +146,20 @@ def test_a_rigid_body_is_filled_and_carries_no_field(open_page: Any, tmp_path: P
     assert "from 0 to 2.333" in page.locator("[data-part=whole]").inner_text(), "the field is that of the first ring"
 
 
+def test_a_cell_that_nothing_holds_is_hatched(open_page: Any, tmp_path: Path) -> None:
+    page = open_page(write_report([write_run(tmp_path / "run")]).file)
+    shades = page.evaluate(
+        """() => {
+          const canvas = document.querySelector('[data-part=under]'), found = [new Set(), new Set()];
+          const data = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+          for (let i = 0; i < data.length; i += 4)
+            if (data[i + 3] === 255) found[Number((i / 4) % canvas.width > canvas.width / 2)].add(data[i]);
+          return found.map(one => Math.max(...one) - Math.min(...one));
+        }"""
+    )
+    assert shades[0] < 10 < 40 < shades[1], "in grey, too: the second ring, on the right, is free"
+
+
 def test_rows_are_sorted_by_their_numbers_and_filtered_by_their_levels(open_page: Any, tmp_path: Path) -> None:
     page = open_page(write_report([write_run(tmp_path / "run")]).file)
     table = page.locator("#run-0-wall-rows")

@@ -249,6 +249,14 @@ def test_a_sweep_that_has_not_ended_is_not_certified(tmp_path: Path) -> None:
     assert 'class="verdict refused"' in write_report([tmp_path]).file.read_text()
 
 
+def test_each_level_tells_which_cells_nothing_holds_there() -> None:
+    bulk = snapshot(0).bulk
+    held = replace(bulk, cell_data={**bulk.cell_data, "free": 0 * bulk.cell_data["free"]})
+    data = player_of([(replace(snapshot(0), bulk=held), True), (snapshot(1), True)], 10**7).data
+    assert [level["free"] for level in data["levels"]] == [[], [1]]
+    assert len(data["shapes"]) == 1, "of one mesh there is one shape"
+
+
 def test_a_page_stays_small_and_says_what_was_left_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     whole = player_of([(snapshot(step), True) for step in range(4)], 10**7)
     assert whole.left_out == []

@@ -33,7 +33,6 @@ def test_lines_are_where_facets_meet_at_an_angle() -> None:
     ends = grid.points[surface.points][surface.lines]
     length = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1).sum()
     assert length == pytest.approx(2 * (4 * 2 + 8 * 1)), "the twelve edges of each block of 2 x 1 x 1"
-    assert set(surface.dashed.tolist()) == {False, True}
 
 
 @pytest.mark.parametrize("kind", [24, 29, 32])
@@ -72,4 +71,3 @@ def test_rings_are_covered_and_outlined() -> None:
     surface = surface_of(grid)
     assert area(grid.points[surface.points], surface.triangles) == pytest.approx(2 * (1 - 0.8**2))
     assert len(surface.loops) == 2
-    assert surface.dashed.sum() == len(surface.lines) / 2

@@ -210,7 +210,7 @@ class Player {
 
   async show() {
     const level = this.data.levels[this.level], field = this.data.fields[this.part.field.selectedIndex];
-    const packed = this.data.shapes[level.shape], kinds = { triangles: Uint32Array, lines: Uint32Array, dashed: Uint8Array, owner: Uint16Array, loops: Int32Array, rigid: Int32Array, walls: Uint32Array };
+    const packed = this.data.shapes[level.shape], kinds = { triangles: Uint32Array, lines: Uint32Array, owner: Uint16Array, loops: Int32Array, rigid: Int32Array, walls: Uint32Array };
     const shape = {};
     for (const [name, Type] of Object.entries(kinds)) shape[name] = await this.numbers(packed[name], Type);
     const rounded = await this.numbers(level.values[field.name], Uint16Array);
@@ -333,19 +333,31 @@ class Player {
     return brush;
   }
 
-  /** Tint the lumens, so that only gaps and the outside are white, and fill rigid bodies. */
+  /** Tint the lumens, so that only gaps and the outside are white, hatch those of free cells, and fill rigid bodies. */
   drawUnder(ratio) {
-    const brush = this.brush(this.part.under, ratio), { shape } = this.state;
-    this.fill(brush, shape.loops, "#e4e9ef");
-    this.fill(brush, shape.rigid, "#aab0b8");
+    const brush = this.brush(this.part.under, ratio), { shape, level } = this.state, free = new Set(level.free);
+    this.fill(brush, shape.loops, "#e4e9ef", cell => !free.has(cell));
+    this.fill(brush, shape.loops, this.hatched(brush), cell => free.has(cell));
+    this.fill(brush, shape.rigid, "#aab0b8", () => true);
   }
 
-  fill(brush, loops, colour) {
-    const { places } = this.state;
-    brush.fillStyle = colour;
+  hatched(brush) {
+    const tile = document.createElement("canvas"), pen = tile.getContext("2d");
+    Object.assign(tile, { width: 9, height: 9 });
+    Object.assign(pen, { fillStyle: "#f3f5f7", strokeStyle: "#8a93a0", lineWidth: 1.2 });
+    pen.fillRect(0, 0, 9, 9);
+    for (const x of [-9, 0, 9]) { pen.moveTo(x - 1, 10); pen.lineTo(x + 10, -1); }
+    pen.stroke();
+    return brush.createPattern(tile, "repeat");
+  }
+
+  fill(brush, loops, style, wanted) {
+    const { shape, places } = this.state;
+    brush.fillStyle = style;
     brush.beginPath();
     let first = true;
     for (const index of loops) {
+      if (index >= 0 && !wanted(shape.owner[index])) continue;
       if (index < 0) { brush.closePath(); first = true; continue; }
       const [x, y] = this.seen(places, index);
       if (first) brush.moveTo(x, y); else brush.lineTo(x, y);
@@ -364,12 +376,12 @@ class Player {
   }
 
   outline(brush) {
-    const { shape, places } = this.state;
-    for (const dashed of [0, 1]) {
+    const { shape, places, level } = this.state, free = new Set(level.free);
+    for (const dashed of [false, true]) {
       let length = 0;  // lines follow each other around a cell: dashes go on from one to the next
       brush.beginPath();
-      for (let i = 0; i < shape.dashed.length; i++) {
-        if (shape.dashed[i] !== dashed) continue;
+      for (let i = 0; i < shape.lines.length / 2; i++) {
+        if (free.has(shape.owner[shape.lines[2 * i]]) !== dashed) continue;
         const [x, y] = this.seen(places, shape.lines[2 * i]), [u, v] = this.seen(places, shape.lines[2 * i + 1]);
         length += Math.hypot(u - x, v - y);
         if (dashed && length % 10 > 6) continue;
