@@ -7,10 +7,14 @@ from typing import Any
 
 from ngcell.build.simulation import Simulation
 from ngcell.results.certificate import worst
+from ngcell.results.checks import scales_of
 from ngcell.results.growth import growth_onset
 from ngcell.results.record import StepRecord
 from ngcell.results.report import StepReport
 from ngcell.results.rupture.load import rupture_load
+
+#: Strains of less than this share of what counts as hardly strained are round-off.
+_ROUND_OFF = 1e-4
 
 
 def run_summary(
@@ -42,6 +46,7 @@ def run_summary(
         "bodies": simulation.bodies.body_count,
         "unknowns": simulation.space.unknowns,
         "facing_pairs": len(simulation.setup.facing.pairs),
+        "nothing_strained": last is not None and _is_round_off(simulation, last.record),
         "held_by_nothing": last.free_bodies if last else (),
         "changes_of_branch": {
             step.record.step: {"unstored_work": step.unstored_work}
@@ -58,6 +63,18 @@ def run_summary(
         "cut_backs": sum(step.cutbacks for step in steps),
         "last_step": asdict(last.record) if last else None,
     }
+
+
+def _is_round_off(simulation: Simulation, last: StepRecord) -> bool:
+    """Return whether nothing holds a tissue together any more, so that energy and forces are round-off."""
+    setup = simulation.setup
+    scales = scales_of(simulation.space, setup.modulus, 0.0)
+    forces = (last.contact_force, last.plate_force_x, last.plate_force_y, last.plate_force_z)
+    return (
+        last.phase == "released"
+        and abs(last.energy) < _ROUND_OFF**2 * scales.energy
+        and all(abs(force) < _ROUND_OFF * scales.force for force in forces)
+    )
 
 
 def _rupture(simulation: Simulation, steps: list[StepReport]) -> dict[str, Any]:

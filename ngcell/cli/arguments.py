@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import click
@@ -26,8 +27,19 @@ def _case_names(ctx: click.Context, parameter: click.Parameter, incomplete: str)
     """Return the names of cases that come with ngcell, which shells offer besides files."""
     from ngcell.scene.catalogue import shipped_cases
 
-    names = [CompletionItem(name) for name in shipped_cases() if name.startswith(incomplete)]
-    return [CompletionItem(incomplete, type="file"), *names]  # bash forgets what stands before a file
+    return _files_and(shipped_cases(), incomplete)
+
+
+def study_names(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """Return the names of studies that come with ngcell, which shells offer besides files."""
+    from ngcell.scene.catalogue import shipped_studies
+
+    return _files_and(shipped_studies(), incomplete)
+
+
+def _files_and(names: Iterable[str], incomplete: str) -> list[CompletionItem]:
+    found = [CompletionItem(name) for name in names if name.startswith(incomplete)]
+    return [CompletionItem(incomplete, type="file"), *found]  # bash forgets what stands before a file
 
 
 case_argument = click.argument("case", shell_complete=_case_names)

@@ -30,7 +30,8 @@ def check(case: str, overrides: tuple[str, ...], picture: Path | None) -> None:
 
     from ngcell.run import inspect
 
-    for line in table_lines(inspect(scene)):
+    told = {name: value for name, value in inspect(scene).items() if (name, value) != ("error_not_estimated", None)}
+    for line in table_lines(told):
         click.echo(line)
     if picture is not None:
         from ngcell.run import draw_layout

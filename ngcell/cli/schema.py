@@ -20,8 +20,7 @@ def schema(study: bool, out: Path | None) -> None:
 
     A case file whose first line is "#:schema FILE" is completed and checked by editors as it is written.
     """
-    from ngcell.scene.vocabulary import schema as case_schema
-    from ngcell.scene.vocabulary import study_schema
+    from ngcell.scene.editor_schema import case_schema, study_schema
 
     text = json.dumps(study_schema() if study else case_schema(), indent=2)
     if out is None:

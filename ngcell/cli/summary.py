@@ -10,7 +10,15 @@ from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 from ngcell.cli.pace import duration
-from ngcell.results.verdict import came_apart, checks_not_passed, error_remark, headline, last_numbers, with_error
+from ngcell.results.verdict import (
+    came_apart,
+    checks_not_passed,
+    error_remark,
+    headline,
+    last_load,
+    last_numbers,
+    with_error,
+)
 
 if TYPE_CHECKING:
     from ngcell.recording import Recording
@@ -42,13 +50,11 @@ def summary_lines(recording: Recording, folder: Path) -> Iterator[str]:
 
 def number_lines(summary: Mapping[str, Any]) -> Iterator[str]:
     """Yield the numbers of the last step with their estimated errors, or why these are not known."""
-    last = summary.get("last_step")
-    if last is None:
+    if not summary.get("last_step"):
         return
-    moved = f"plate displacement {last['plate_displacement']:.4g}, " if last["plate_displacement"] else ""
     remark = error_remark(summary) or "with estimated errors"
     refused = "" if summary.get("certified", True) else "NOT CERTIFIED; "
-    yield f"how sure     {refused}{moved}load factor {last['load_factor']:.4g}; {remark}"
+    yield f"how sure     {refused}{last_load(summary)}; {remark}"
     for name, (value, error) in last_numbers(summary).items():
         yield f"  {_words(name):13}  {with_error(value, error)}"
 
@@ -130,4 +136,8 @@ def _shown(value: object) -> str:
         return f"{value:.4g}"
     if value is None:
         return "none"
-    return ", ".join(map(_shown, value)) if isinstance(value, (list, tuple)) else str(value)
+    if isinstance(value, Mapping):
+        return ", ".join(f"{_words(name)} {_shown(entry)}" for name, entry in value.items())
+    if isinstance(value, (list, tuple)):
+        return ("; " if value and isinstance(value[0], Mapping) else ", ").join(map(_shown, value))
+    return str(value)

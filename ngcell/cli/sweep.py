@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ngcell.cli.arguments import study_names
 from ngcell.cli.interrupts import remembered_interrupts
 from ngcell.cli.pace import duration
 from ngcell.cli.streams import note
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
 
 @click.command(short_help="Run a case along axes into one table.")
-@click.argument("study", type=click.Path(path_type=Path))
+@click.argument("study", type=click.Path(path_type=Path), shell_complete=study_names)
 @click.option("--out", type=click.Path(path_type=Path), help="Folder of the table; default out/<study name>.")
 @click.option(
     "--store",

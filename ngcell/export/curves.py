@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ngcell.export.cell_size import DPI
 from ngcell.export.picture import INK, NOTE_INK, SOFT_INK, mark_uncertified, save_png, style_axes
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _LARGEST, _MEAN, _PARTED, _FAILED = "#b3361e", "#1f5f8b", "#4a7a3a", "#d21f1f"
+#: Marker and dashes of the first and the second curve of a panel, told apart in grey too.
+STYLES: tuple[dict[str, Any], ...] = ({"marker": "o", "linestyle": "-"}, {"marker": "s", "linestyle": (0, (5, 2))})
 _FREE = {"free_largest_gap": "free cells"}
 
 
@@ -54,27 +56,28 @@ def draw_curves(history: Sequence[StepRecord], path: Path, *, certified: bool, o
     load, name = load_axis(rows)
     figure, gaps, parted = _canvas(name)
     failed = np.array([not row.certified for row in rows])
-    for axes, column, colour in (
-        (gaps, "largest_gap", _LARGEST),
-        (gaps, "mean_gap", _MEAN),
-        (parted, "parted_pairs", _PARTED),
+    for axes, column, colour, style in (
+        (gaps, "largest_gap", _LARGEST, STYLES[0]),
+        (gaps, "mean_gap", _MEAN, STYLES[1]),
+        (parted, "parted_pairs", _PARTED, STYLES[0]),
     ):
         values = np.array([getattr(row, column) for row in rows], dtype=float)
-        _draw(axes, load, values, label=column.replace("_", " "), colour=colour)
+        draw_curve(axes, load, values, label=column.replace("_", " "), colour=colour, style=style)
         errors = np.array([getattr(row, f"{column}_error", np.nan) for row in rows])
         if np.isfinite(errors).any():
             axes.fill_between(load, values - errors, values + errors, color=colour, alpha=0.25, linewidth=0)
         if failed.any():
             _ring(axes, load[failed], values[failed])
-    for column, colour in (("free_largest_gap", _LARGEST), ("free_mean_gap", _MEAN)):
+    for column, colour, style in (("free_largest_gap", _LARGEST, STYLES[0]), ("free_mean_gap", _MEAN, STYLES[1])):
         values = np.array([getattr(row, column) for row in rows])
         if values.any():
-            gaps.plot(load, values, color=colour, linewidth=1.2, linestyle=":", label=_FREE.get(column))
+            dotted = style | {"linestyle": ":"}
+            draw_curve(gaps, load, values, label=_FREE.get(column), colour=colour, style=dotted, width=1.2)
     _scale(gaps, parted, load)
     if onset is not None:
         _mark_onset((gaps, parted), onset)
     gaps.legend(
-        loc="lower left", bbox_to_anchor=(0, 1), ncols=3, frameon=False, fontsize=10.5, handlelength=1.4,
+        loc="lower left", bbox_to_anchor=(0, 1), ncols=3, frameon=False, fontsize=10.5, handlelength=2.4,
         columnspacing=1.2, labelcolor=INK,
     )  # fmt: skip
     if not certified:
@@ -99,7 +102,7 @@ def _canvas(load_name: str) -> tuple[Figure, Axes, Axes]:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(7.2, 5.8), dpi=DPI, facecolor="white")
-    gaps = figure.add_axes((0.115, 0.42, 0.855, 0.50))
+    gaps = figure.add_axes((0.115, 0.42, 0.855, 0.475))
     parted = figure.add_axes((0.115, 0.105, 0.855, 0.25), sharex=gaps)
     for axes, label in ((gaps, "gap"), (parted, "parted wall pairs")):
         style_axes(axes)
@@ -112,9 +115,19 @@ def _canvas(load_name: str) -> tuple[Figure, Axes, Axes]:
     return figure, gaps, parted
 
 
-def _draw(axes: Axes, load: NDArray[Any], values: NDArray[Any], *, label: str, colour: str) -> None:
-    marker = "o" if len(load) <= 40 else ""
-    axes.plot(load, values, color=colour, linewidth=1.9, marker=marker, markersize=4, label=label)
+def draw_curve(
+    axes: Axes,
+    load: NDArray[Any],
+    values: ArrayLike,
+    *,
+    label: str | None,
+    colour: str,
+    style: Mapping[str, Any],
+    width: float = 1.9,
+) -> None:
+    """Draw a curve in a style of `STYLES`; more than forty points are not marked."""
+    marked = dict(style) if len(load) <= 40 else {**style, "marker": ""}
+    axes.plot(load, values, color=colour, linewidth=width, markersize=4 if width > 1.5 else 2.5, label=label, **marked)
 
 
 def _ring(axes: Axes, load: NDArray[Any], values: NDArray[Any]) -> None:
@@ -137,8 +150,8 @@ def _scale(gaps: Axes, parted: Axes, load: NDArray[Any]) -> None:
 def _mark_onset(panels: Sequence[Axes], onset: float) -> None:
     for axes in panels:
         axes.axvline(onset, color=SOFT_INK, linewidth=1.2, linestyle=(0, (4, 3)), zorder=1)
-    # Beside the legend, above the curves: inside the panel it would cross them.
+    # Above the legend: beside the curves it would cross them.
     panels[0].annotate(
-        f"dashed: gaps grow from {onset:.3g}", (1, 1), (0, 12), xycoords="axes fraction",
+        f"vertical line: gaps grow from {onset:.3g}", (1, 1), (0, 27), xycoords="axes fraction",
         textcoords="offset points", fontsize=10, color=NOTE_INK, ha="right",
     )  # fmt: skip

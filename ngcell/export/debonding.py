@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.export.cell_size import CellSize
-from ngcell.export.curves import load_axis, released_steps
+from ngcell.export.curves import STYLES, draw_curve, load_axis, released_steps
 from ngcell.export.picture import INK, SOFT_INK, mark_uncertified, save_png, style_axes
 from ngcell.export.plan import places, wall_lines
 from ngcell.results.record import StepRecord
@@ -83,10 +83,11 @@ def draw_debonding(
     figure = Figure(figsize=_SIZE, dpi=size.dpi, facecolor="white")
     share, components, plan = (figure.add_axes(place) for place in (_SHARE_PANEL, _COMPONENTS_PANEL, _PLAN_PANEL))
     parted = [row.parted_pairs / max(len(pairs), 1) for row in rows]
-    _curve(share, load, [row.opened_share for row in rows], "open wall length", _OPEN)
-    _curve(share, load, parted, "parted wall pairs", _PARTED)
-    _curve(components, load, [row.components for row in rows], "connected components of cells", _COMPONENTS)
-    _curve(components, load, [row.largest_component for row in rows], "cells in the largest", _LARGEST)
+    draw_curve(share, load, [row.opened_share for row in rows], label="open wall length", colour=_OPEN, style=STYLES[0])
+    draw_curve(share, load, parted, label="parted wall pairs", colour=_PARTED, style=STYLES[1])
+    count, largest = [row.components for row in rows], [row.largest_component for row in rows]
+    draw_curve(components, load, count, label="connected components of cells", colour=_COMPONENTS, style=STYLES[0])
+    draw_curve(components, load, largest, label="cells in the largest", colour=_LARGEST, style=STYLES[1])
     for axes, label in ((share, "share"), (components, "number")):
         style_axes(axes)
         axes.set_ylabel(label, color=INK)
@@ -145,12 +146,8 @@ def _draw_ends(axes: Axes, cells: Grid, ends: Sequence[str], size: CellSize) -> 
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.01), ncols=3, **style)
 
 
-def _curve(axes: Axes, load: NDArray[Any], values: Sequence[float], label: str, colour: str) -> None:
-    axes.plot(load, values, color=colour, linewidth=1.9, marker="o", markersize=4, label=label)
-
-
 def _draw_plan(figure: Figure, axes: Axes, pairs: Sequence[PairOnset], cells: Grid, size: CellSize) -> None:
-    """Draw the common wall of each pair; those that have not opened in grey.
+    """Draw the common wall of each pair; those that have not opened dotted and in grey.
 
     Layers of prisms are laid out side by side, the lowest first; a wall between two layers is a dot in the lower one.
     """
@@ -169,15 +166,17 @@ def _draw_plan(figure: Figure, axes: Axes, pairs: Sequence[PairOnset], cells: Gr
     scale = Normalize(*((onset[opened].min(), onset[opened].max()) if opened.any() else (0.0, 1.0)))
     shown = ScalarMappable(scale, "plasma_r")
     colour = np.where(opened[:, None], shown.to_rgba(onset), to_rgba(_CLOSED))
-    axes.add_collection(
-        LineCollection(list(lines), colors=colour[number], linewidths=size.at_most(*_WALL), capstyle="round")
-    )
+    for which, style in ((~opened, (0, (0.1, 2.8))), (opened, "solid")):
+        chosen = which[number]
+        look: dict[str, Any] = {"linewidths": size.at_most(*_WALL), "capstyle": "round", "linestyles": [style]}
+        axes.add_collection(LineCollection(list(lines[chosen]), colors=colour[number[chosen]], **look))
     dots = np.where(layer[first] < layer[second], first, second)[~level]
     axes.scatter(place[dots, 0], place[dots, 1], s=size.at_most(9.5, 0.3) ** 2, color=colour[~level])
     drawn = np.concatenate([lines.reshape(-1, 2), place[dots]])
     axes.set(xlim=_limits(drawn[:, 0]), ylim=_limits(drawn[:, 1]), aspect="equal")
     axes.set_axis_off()
-    axes.set_title(f"{int(opened.sum())} of {len(pairs)} wall pairs have opened", fontsize=10.5, color=INK)
+    others = "" if opened.all() else " (the others are dotted)"
+    axes.set_title(f"{int(opened.sum())} of {len(pairs)} wall pairs have opened{others}", fontsize=10.5, color=INK)
     if opened.any():
         bar = figure.colorbar(shown, cax=figure.add_axes(_BAR_PANEL))
         bar.set_label("opened at plate displacement", color=INK, labelpad=7)

@@ -85,6 +85,12 @@ def triangulate(grid: Grid) -> NDArray[np.integer]:
     return grid.cells[:, np.array(element_shape(grid).triangles)].reshape(-1, 3)
 
 
+def bodies_that_are(what: str, grid: Grid) -> set[int]:
+    """Return the bodies that this field of a grid marks by 1, as `free` and `rigid` do."""
+    marked = np.asarray(grid.cell_data.get(what, np.zeros(len(grid.cells)))) == 1
+    return set(np.asarray(grid.cell_data["cell_id"])[marked].tolist())
+
+
 def cell_loops(grid: Grid) -> list[Loop]:
     """All closed lines around the tissue cells of a planar grid, found in the reference state."""
     rings = _counter_clockwise(grid.cells[:, element_shape(grid).ring], grid.points)

@@ -11,6 +11,7 @@ import zlib
 from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 
 from ngcell.export.atomic import replace_file
 from ngcell.export.cell_size import CellSize
-from ngcell.export.outline import Loop, cell_loops, planar_view, triangulate
+from ngcell.export.outline import Loop, bodies_that_are, cell_loops, planar_view, triangulate
 from ngcell.export.series import NOT_CERTIFIED
 from ngcell.results.snapshot import Grid, Snapshot
 
@@ -37,6 +38,8 @@ _OUTLINE = 0.6, 0.012
 _DASHED = 0.35
 #: How rigid bodies are filled.
 RIGID: dict[str, Any] = {"facecolors": "#aab0b8", "edgecolors": INK, "linewidths": 0.6}
+#: Characters of a title in one line, and in each of two lines of a smaller size.
+_LINE, _LONG_LINE = 62, 78
 _REFERENCE = "#c3c8cf"
 _ALARM = "#d21f1f"
 _WIDTH, _LEFT, _RIGHT, _BOTTOM, _TOP = 8.6, 0.72, 1.25, 0.62, 0.78  # of the figure and its margins [inch]
@@ -76,7 +79,7 @@ def draw_tissue(snapshot: Snapshot, path: Path, *, title: str, certified: bool) 
     figure, axes, size = canvas(np.vstack([deformed, at_rest]), at_rest, len(np.unique(bulk.cell_data["cell_id"])))
     line = size.at_most(*_OUTLINE)
     _draw_reference(axes, bulk, loops, line)
-    free, rigid = _cells_that_are("free", bulk), _cells_that_are("rigid", bulk)
+    free, rigid = bodies_that_are("free", bulk), bodies_that_are("rigid", bulk)
     colours = _draw_bodies(axes, bulk, deformed, loops, tinted=free if line < _DASHED else set())
     _add_colour_bar(figure, axes, colours)
     _draw_outlines(axes, deformed, loops, free, line)
@@ -174,12 +177,6 @@ def _draw_bodies(axes: Axes, bulk: Grid, deformed: NDArray[Any], loops: Iterable
     )  # fmt: skip
 
 
-def _cells_that_are(what: str, bulk: Grid) -> set[int]:
-    """Return the bodies that this field marks by 1."""
-    marked = np.asarray(bulk.cell_data.get(what, np.zeros(len(bulk.cells)))) == 1
-    return set(np.asarray(bulk.cell_data["cell_id"])[marked].tolist())
-
-
 def _draw_rigid(axes: Axes, deformed: NDArray[Any], loops: Iterable[Loop]) -> None:
     """Fill rigid bodies, which are shells for the solver only, and say what they are."""
     from matplotlib.collections import PolyCollection
@@ -221,5 +218,7 @@ def _add_heading(axes: Axes, title: str, snapshot: Snapshot, *, free: int, mark:
     if free:
         facts.append(f"{mark}: {free} {'cell' if free == 1 else 'cells'} held by nothing")
     heading = partial(axes.annotate, xycoords="axes fraction", textcoords="offset points")
-    heading(title, (0, 1), (0, 26), fontsize=13, fontweight="bold", color=INK)
+    lines = title if len(title) <= _LINE else "\n".join(wrap(title, _LONG_LINE, max_lines=2, placeholder=" …"))
+    size = 13.0 if lines == title else 10.0
+    heading(lines, (0, 1), (0, 26), fontsize=size, fontweight="bold", color=INK)
     heading(" · ".join(facts), (0, 1), (0, 10), fontsize=10, color=NOTE_INK)

@@ -16,6 +16,8 @@ from ngcell.export.atomic import replace_file
 SUMMARY = "summary.json"
 #: Key of a run whose `case.toml` is about to be written: what it will say.
 CASE_TEXT = "case"
+#: Key of a sweep: its first case, fully resolved.
+FIRST_CASE = "first_case"
 #: Key by which a folder of members of a case is known: how many, of which seeds.
 MEMBERS = "members"
 

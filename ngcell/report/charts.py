@@ -125,7 +125,7 @@ def _figure(
         many = len(quantities) * len(runs) > _NAMED
         for name, rows in runs.items():
             for quantity in quantities:
-                label = quantity.title if len(runs) == 1 else name
+                label = quantity.title if len(runs) == 1 else _named(name, certified[name])
                 drawn.append(_curve(axes, rows, quantity, label, len(drawn), thin=many))
         axes.set_xlabel(" or ".join(dict.fromkeys(load_axis(rows)[1] for rows in runs.values())), fontsize=9, color=INK)
         if axes.dataLim.x0 >= 0:
@@ -138,6 +138,10 @@ def _figure(
     return Figure(title, svg, "; ".join(drawn) if len(drawn) <= _NAMED else f"{len(drawn)} curves")
 
 
+def _named(name: str, is_certified: bool) -> str:
+    return name if is_certified else f"{name}, not certified"
+
+
 def _curve(axes: Axes, rows: Sequence[StepRecord], quantity: Quantity, label: str, number: int, *, thin: bool) -> str:
     """Draw a curve with the band of its error, cross out what is not certified, and describe it."""
     load, axis = load_axis(rows)
@@ -147,13 +151,21 @@ def _curve(axes: Axes, rows: Sequence[StepRecord], quantity: Quantity, label: st
     if known.any():
         below, above = np.where(known, values - errors, np.nan), np.where(known, values + errors, np.nan)
         axes.fill_between(load, below, above, color=colour, alpha=0.22, linewidth=0)
-        bars = np.where(known, errors, 0)
-        axes.errorbar(load, values, yerr=bars, fmt="none", ecolor=colour, elinewidth=0.8, capsize=2.5)
+    draw_errors(axes, load, values, errors, number=number)
     failed = [not row.certified for row in rows]
     draw_points(axes, load, values, failed, label=label, number=number, thin=thin)
     refused = f", {sum(failed)} of them not certified" if any(failed) else ""
     ends = f"{values[0]:.3g} to {values[-1]:.3g} over {axis} {load[0]:.3g} to {load[-1]:.3g}"
     return f"{label}: {ends}, {len(rows)} levels{refused}"
+
+
+def draw_errors(axes: Axes, load: ArrayLike, values: ArrayLike, errors: ArrayLike, *, number: int) -> None:
+    """Draw estimated errors as bars in the colour of a curve; none where an error is not known."""
+    known = np.isfinite(errors)
+    if known.any():
+        places = np.asarray(load)[known], np.asarray(values)[known]
+        bars, colour = np.asarray(errors)[known], _COLOURS[number % len(_COLOURS)]
+        axes.errorbar(*places, yerr=bars, fmt="none", ecolor=colour, elinewidth=0.8, capsize=2.5)
 
 
 def draw_points(

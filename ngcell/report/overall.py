@@ -30,6 +30,9 @@ class Part:
     asked: Sequence[tuple[str, str]] = ()
     figures_first: bool = False
     pictured: str = ""
+    case_title: str = ""
+    case_text: str = ""
+    effort: Sequence[tuple[str, str]] = ()
 
 
 def comparison(runs: Sequence[RunFolder]) -> Part:

@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.export.outline import bodies_that_are
 from ngcell.report.fields import BODIES, Field, fields_of
-from ngcell.report.surface import Surface, is_solid, surface_of, wall_lines, wall_triangles
+from ngcell.report.surface import Surface, is_of_rigid, is_solid, surface_of, wall_lines, wall_triangles
 from ngcell.results.snapshot import Grid, Snapshot
 
 Array = NDArray[np.float64]
@@ -100,27 +101,34 @@ def _level(snapshot: Snapshot, certified: bool, shapes: dict[str, tuple[Surface,
         surface = surface_of(snapshot.bulk)
         shapes[key] = surface, _drawn_shape(surface, snapshot)
     surface, _ = shapes[key]
-    fields = {one.name: _seen(one, surface) for one in fields_of(snapshot)}
+    rigid = is_of_rigid(snapshot.bulk)
+    fields = {one.name: _seen(one, surface, rigid) for one in fields_of(snapshot)}
     return _Level(snapshot, certified, fields, key, _moved(snapshot.bulk)[surface.points], _moved(snapshot.walls))
 
 
-def _seen(one: Field, surface: Surface) -> Field:
-    """Return a field at the points that are drawn; of walls all are."""
-    return replace(one, values=one.values[surface.points]) if one.where == BODIES else one
+def _seen(one: Field, surface: Surface, rigid: NDArray[np.bool_]) -> Field:
+    """Return a field at the points that are drawn, none in rigid bodies; of walls all points are."""
+    if one.where != BODIES:
+        return one
+    return replace(one, values=np.where(rigid, np.nan, one.values)[surface.points])
 
 
 def _drawn_shape(surface: Surface, snapshot: Snapshot) -> dict[str, Any]:
     solid = is_solid(snapshot.bulk)
     walls = wall_triangles(snapshot.walls) if solid else wall_lines(snapshot.walls)
-    loops = np.concatenate([np.append(loop, -1) for loop in surface.loops]) if surface.loops else np.zeros(0)
     return {
         "triangles": _packed(surface.triangles, "<u4"),
         "lines": _packed(surface.lines, "<u4"),
-        "dashed": _packed(surface.dashed, "<u1"),
         "owner": _packed(surface.owner, "<u2"),
-        "loops": _packed(loops, "<i4"),
+        "loops": _packed(_ended(surface.loops), "<i4"),
+        "rigid": _packed(_ended(surface.rigid), "<i4"),
         "walls": _packed(walls, "<u4"),
     }
+
+
+def _ended(loops: Sequence[NDArray[np.integer]]) -> NDArray[np.integer]:
+    """Return loops one after the other, each followed by -1."""
+    return np.concatenate([np.append(loop, -1) for loop in loops] or [np.zeros(0, dtype=np.int64)])
 
 
 def _encoded_level(
@@ -134,6 +142,7 @@ def _encoded_level(
         "plate_displacement": state.plate_displacement,
         "certified": level.certified,
         "shape": level.shape,
+        "free": sorted(bodies_that_are("free", state.bulk)),
         "places": _rounded(level.places.T, low[:, None], high[:, None]),
         "wall_places": _rounded(level.wall_places.T, low[:, None], high[:, None]),
         "values": {name: _rounded(level.fields[name].values, *ranges[name]) for name in names},

@@ -1,19 +1,19 @@
 """What is seen of bodies: triangles, and the lines along which their surface has an edge.
 
-Planar bodies are covered by triangles of the nodes of their elements; of solids only facets that no second element of
-the same cell has are drawn. Nodes of neighbouring elements may be given twice: facets are compared by the places of
-their corners in the reference state.
+Planar bodies are covered by triangles of the nodes of their elements, and rigid ones outlined; of solids only facets
+that no second element of the same cell has are drawn. Nodes of neighbouring elements may be given twice: facets are
+compared by the places of their corners in the reference state.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.errors import OutputError
-from ngcell.export.outline import SHAPES, cell_loops, triangulate
+from ngcell.export.outline import SHAPES, bodies_that_are, cell_loops, triangulate
 from ngcell.results.snapshot import Grid
 
 Index = NDArray[np.integer]
@@ -48,20 +48,20 @@ class Surface:
         Places in `points`.
     lines : array of int, shape (lines, 2)
         Ends of the lines, as places in `points`.
-    dashed : array of bool, shape (lines,)
-        Lines around cells that nothing holds.
     owner : array of int, shape (points,)
         Cell that each point belongs to.
     loops : list of array of int
         Closed outer lines around planar cells, as places in `points`; empty for solids.
+    rigid : list of array of int
+        Closed outer lines around rigid bodies, which are shells for the solver only, likewise.
     """
 
     points: Index
     triangles: Index
     lines: Index
-    dashed: NDArray[np.bool_]
     owner: Index
     loops: list[Index]
+    rigid: list[Index]
 
 
 def is_solid(grid: Grid) -> bool:
@@ -78,26 +78,28 @@ def surface_of(grid: Grid) -> Surface:
         If their elements are of a type that is not known here.
     """
     owner = owner_of_points(grid)
-    free = np.unique(np.asarray(grid.cell_data["cell_id"])[np.asarray(grid.cell_data.get("free", 0)) == 1])
+    loops: list[Index] = []
+    rigid: list[Index] = []
     if is_solid(grid):
         triangles, lines = _solid_surface(grid)
-        loops: list[Index] = []
     else:
-        triangles = triangulate(grid)
-        around = cell_loops(grid)
-        lines = np.concatenate([np.column_stack([loop.points, np.roll(loop.points, -1)]) for loop in around])
-        loops = [loop.points for loop in around if loop.outer]
-    points, place = np.unique(triangles, return_inverse=True)
+        triangles, lines, loops, rigid = _planar_surface(grid)
+    points = np.unique(np.concatenate([triangles.ravel(), lines.ravel()]))
     number = np.zeros(len(grid.points), dtype=np.int64)
     number[points] = np.arange(len(points))
     return Surface(
         points=points,
-        triangles=place.reshape(triangles.shape),
+        triangles=number[triangles],
         lines=number[lines],
-        dashed=np.isin(owner[lines[:, 0]], free),
         owner=owner[points],
         loops=[number[loop] for loop in loops],
+        rigid=[number[loop] for loop in rigid],
     )
+
+
+def is_of_rigid(grid: Grid) -> NDArray[np.bool_]:
+    """Return which points are those of rigid bodies, which carry no fields, shape (points,)."""
+    return np.isin(owner_of_points(grid), list(bodies_that_are("rigid", grid)))
 
 
 def owner_of_points(grid: Grid) -> Index:
@@ -122,6 +124,20 @@ def wall_lines(grid: Grid) -> Index:
     if cells.shape[1] == 2:
         return cells
     raise OutputError(f"cannot draw walls of VTK type {grid.cell_type}")
+
+
+def _planar_surface(grid: Grid) -> tuple[Index, Index, list[Index], list[Index]]:
+    """Return triangles and lines of planar bodies, and the outer lines around cells and around rigid bodies."""
+    rigid = bodies_that_are("rigid", grid)
+    around = [loop for loop in cell_loops(grid) if loop.outer or loop.cell_id not in rigid]
+    lines = np.concatenate([np.column_stack([loop.points, np.roll(loop.points, -1)]) for loop in around])
+    outer = [loop for loop in around if loop.outer]
+    return (
+        triangulate(replace(grid, cells=grid.cells[~np.isin(grid.cell_data["cell_id"], list(rigid))], cell_data={})),
+        lines,
+        [loop.points for loop in outer if loop.cell_id not in rigid],
+        [loop.points for loop in outer if loop.cell_id in rigid],
+    )
 
 
 def _solid_surface(grid: Grid) -> tuple[Index, Index]:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from math import nan
 from typing import TYPE_CHECKING
 
-from ngcell.report.charts import Figure, draw_points, svg_of
+from ngcell.export.summary import FIRST_CASE
+from ngcell.report.charts import Figure, draw_errors, draw_points, svg_of
 from ngcell.report.overall import Part
 from ngcell.report.pictures import pictures_of_cases
 from ngcell.report.rows import Row, Table, columns_of, value_of
@@ -20,10 +22,13 @@ if TYPE_CHECKING:
 _BEFORE, _AFTER = "case", "level"
 #: Columns that tell how a run was made, which the page leaves to the table.
 _NOT_SHOWN = {"attempts", "seconds", "processor_seconds", "memory_gib", "host", "ngcell", "ngsolve", "key"}
-#: Numbers that are drawn over the axes.
-_DRAWN = ("energy", "plate_force_x", "plate_force_y", "mean_gap", "largest_gap", "parted_pairs", "components")
-#: Most rows that the page shows, and most curves of one figure.
-_MOST_ROWS, _MOST_CURVES = 3000, 6
+#: Numbers that are drawn over the axes, if the table has them, before others.
+_FIRST = ("energy", "plate_force_x", "plate_force_y", "contact_force", "mean_gap", "largest_gap", "parted_pairs",
+          "components")  # fmt: skip
+#: Column of the estimated error of a number that is not called as the number is.
+_ERROR = {"plate_force_x": "plate_force_error", "plate_force_y": "plate_force_error"}
+#: Most rows that the page shows, most curves of one figure, and most numbers that are drawn over an axis.
+_MOST_ROWS, _MOST_CURVES, _MOST_NUMBERS = 3000, 6, 8
 
 
 def sweep_part(source: Source, key: str) -> Part:
@@ -37,14 +42,38 @@ def sweep_part(source: Source, key: str) -> Part:
         title="Sweep",
         refused=refused,
         verdict=Verdict(source.certified, [*_said(source, last), *source.unread]),
-        lines=["Each point is the last level of a run; a red cross marks one that is not certified."] if last else [],
+        lines=[f"{_POINTS} {_errors_said(last)}"] if last else [],
         figures=list(_figures(last, axes_of(names), key)),
         tables=[_table(rows, last, names, key)] if rows else [],
         asked=list(asked(source.summary.get("study") or {})),
         figures_first=True,
         pictures=pictures,
         pictured=f"Tissues of {len(pictures)} of {len(last)} cases at the last level that they reached",
+        case_title="The first of the cases, fully resolved",
+        case_text=str(source.summary.get(FIRST_CASE) or ""),
+        effort=list(_effort(rows, last)),
     )
+
+
+_POINTS = "Each point is the last level of a run; a red cross marks one that is not certified."
+
+
+def _errors_said(last: Rows) -> str:
+    """Return whether errors are shown, and if not, why."""
+    named = [name for name in last[0] if name.endswith("_error")]
+    if any(_number(row.get(name)) is not None for row in last for name in named):
+        return "Bars are estimated errors."
+    return "Errors are not estimated." if named else "Estimated errors are not among the outputs of this study."
+
+
+def _effort(rows: Rows, last: Rows) -> Iterator[tuple[str, str]]:
+    """Yield what the runs took together, and by which versions they were made."""
+    seconds = [value for row in last if (value := _number(row.get("processor_seconds"))) is not None]
+    if seconds:
+        yield "time", f"{sum(seconds):.0f} s of the processor for {len(seconds)} runs"
+    for name in ("ngcell", "ngsolve"):
+        if versions := sorted({row[name] for row in rows if row.get(name)}):
+            yield name, ", ".join(versions)
 
 
 def axes_of(names: Sequence[str]) -> list[str]:
@@ -79,15 +108,27 @@ def _table(rows: Rows, last: Rows, names: Sequence[str], key: str) -> Table:
 
 def _figures(last: Rows, axes: Sequence[str], key: str) -> Iterator[Figure]:
     """Yield each number over each axis of numbers that is varied; what else is varied tells curves apart."""
+    drawn = _drawn(last)
     for axis in axes:
         points = [row for row in last if _number(row.get(axis)) is not None]
         if len({row[axis] for row in points}) < 2:
             continue
         others = [name for name in axes if name != axis and len({row[name] for row in points}) > 1]
-        for name in _DRAWN:
+        for name in drawn:
             shown = [row for row in points if _number(row.get(name)) is not None]
             if any(_number(row[name]) for row in shown):
                 yield _figure(shown, axis, name, others, key)
+
+
+def _drawn(last: Rows) -> list[str]:
+    """Return the outputs that are drawn: numbers, the best known first."""
+    names = list(last[0]) if last else []
+    if "load_factor" not in names or "certified" not in names:
+        return []
+    outputs = names[names.index("load_factor") + 1 : names.index("certified")]
+    numbers = [name for name in outputs if not name.endswith("_error")]
+    known = [name for name in _FIRST if name in numbers]
+    return [*known, *(name for name in numbers if name not in known)][:_MOST_NUMBERS]
 
 
 def _figure(points: Rows, axis: str, name: str, others: Sequence[str], key: str) -> Figure:
@@ -100,10 +141,12 @@ def _figure(points: Rows, axis: str, name: str, others: Sequence[str], key: str)
     def draw(axes: Axes) -> None:
         for number, (label, rows) in enumerate(groups.items()):
             rows = sorted(rows, key=lambda row: float(row[axis]))
+            places, values = [float(row[axis]) for row in rows], [float(row[name]) for row in rows]
+            draw_errors(axes, places, values, [_error(row, name) for row in rows], number=number)
             draw_points(
                 axes,
-                [float(row[axis]) for row in rows],
-                [float(row[name]) for row in rows],
+                places,
+                values,
                 [row.get("certified") != "True" for row in rows],
                 label=label,
                 number=number,
@@ -117,6 +160,12 @@ def _figure(points: Rows, axis: str, name: str, others: Sequence[str], key: str)
     values = [float(row[name]) for row in points]
     described = f"{len(points)} runs, {min(values):.3g} to {max(values):.3g}"
     return Figure(title, svg_of(draw, label=f"{key} {title}", refused=refused), described)
+
+
+def _error(row: Mapping[str, str], name: str) -> float:
+    """Return the estimated error of a number; NaN where there is none."""
+    error = _number(row.get(_ERROR.get(name, f"{name}_error")))
+    return nan if error is None else error
 
 
 def _number(text: str | None) -> float | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from math import inf
+from math import inf, isfinite
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from ngcell.report.pictures import Picture, pictures_of
 from ngcell.report.player import Player, player_of
 from ngcell.report.rows import Table, checks_table, expected_table, levels_table, number, records_table
 from ngcell.report.run_folder import RunFolder, case_table
+from ngcell.results.record import StepRecord
 from ngcell.results.verdict import (
     FailedCheck,
     came_apart,
@@ -22,13 +23,14 @@ from ngcell.results.verdict import (
     error_remark,
     headline,
     is_finished,
+    last_load,
     last_numbers,
     with_error,
 )
 
 _HINT_PLANE = (
-    "Cells with a dashed red outline are held by nothing. Zoom with the buttons or + and -, move by dragging or with "
-    "the arrow keys; the pointer reads values."
+    "Cells whose lumen is hatched and whose outline is dashed are held by nothing. Zoom with the buttons or + and -, "
+    "move by dragging or with the arrow keys; the pointer reads values."
 )
 _HINT_SOLID = "Rotate by dragging or with the arrow keys, zoom with the buttons or + and -; the pointer reads values."
 
@@ -68,6 +70,7 @@ class RunView:
     hint: str = ""
     ramp: str = ""
     figures: Sequence[Figure] = ()
+    of_errors: str = ""
     levels: Sequence[Table] = ()
     pictures: Sequence[Picture] = ()
     source: str = ""
@@ -111,6 +114,7 @@ def view_of(run: RunFolder, key: str, budget: int) -> RunView:
         hint=_HINT_SOLID if player.data.get("solid") else _HINT_PLANE,
         ramp=ramp(),
         figures=figures_of({run.name: released}, {run.name: run.certified}, key=key),
+        of_errors="Bands and bars are estimated errors." if _errors_known(released) else "Errors are not estimated.",
         levels=levels_table(key, released),
         pictures=list(pictures_of(run)),
         source=str(table.get("source") or ""),
@@ -122,6 +126,10 @@ def view_of(run: RunFolder, key: str, budget: int) -> RunView:
         case_text=run.case_text,
         effort=list(_effort(run.summary)),
     )
+
+
+def _errors_known(history: Iterable[StepRecord]) -> bool:
+    return any(isfinite(row.energy_error) for row in history)
 
 
 def verdict_of(summary: Mapping[str, Any]) -> Verdict:
@@ -146,12 +154,9 @@ def told_numbers(summary: Mapping[str, Any]) -> list[Told]:
 
 
 def _last_level(summary: Mapping[str, Any]) -> str:
-    last = summary.get("last_step") or {}
-    if not last:
-        return ""
-    moved = f"plate displacement {last['plate_displacement']:.4g}, " if last.get("plate_displacement") else ""
+    load = last_load(summary)
     known = "" if error_remark(summary) else ", with estimated errors"
-    return f"At the last level ({moved}load factor {last['load_factor']:.4g}){known}:"
+    return f"At the last level ({load}){known}:" if load else ""
 
 
 def asked(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
@@ -178,7 +183,7 @@ def _said(value: Any) -> str:
 
 def _effort(summary: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Yield how large the scene was, what its solution took, and by which versions."""
-    for key, title in (("bodies", "cells"), ("facing_pairs", "pairs of facing walls")):
+    for key, title in (("bodies", "bodies"), ("facing_pairs", "pairs of facing walls")):
         if summary.get(key) is not None:
             yield title, str(summary[key])
     meshes: Iterable[Mapping[str, Any]] = summary.get("meshes") or ()

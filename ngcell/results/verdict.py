@@ -14,6 +14,7 @@ Summary = Mapping[str, Any]
 
 #: Numbers of the last step that are told with their errors.
 _TOLD = ("energy", "mean_gap", "largest_gap", "plate_force", "contact_force")
+_GAPS = ("mean_gap", "largest_gap")
 #: What to do where a check fails, by its name.
 ADVICE = {
     "residual": "refine the mesh (mesh.size), or ask for smaller load steps (load.levels)",
@@ -85,7 +86,9 @@ def checks_not_passed(summary: Summary) -> list[FailedCheck]:
 
 
 def error_remark(summary: Summary) -> str:
-    """Return why no errors are known of the numbers of the last step; empty where they are."""
+    """Return why no errors, or no numbers, are told of the last step; empty where they are."""
+    if summary.get("nothing_strained"):
+        return "no wall is strained; energy and forces are zero"
     reason = summary.get("error_not_estimated")
     if reason:
         return f"errors not estimated: {reason}"
@@ -94,16 +97,42 @@ def error_remark(summary: Summary) -> str:
     return "" if known is not None and isfinite(known) else "the error of the last step could not be estimated"
 
 
+def last_load(summary: Summary) -> str:
+    """Return in words at which load the last accepted step is; empty where there is none."""
+    last = summary.get("last_step") or {}
+    if not last:
+        return ""
+    moved = f"plate displacement {last['plate_displacement']:.4g}, " if last.get("plate_displacement") else ""
+    return f"{moved}load factor {last['load_factor']:.4g}{', walls still tied' if _is_tied(summary) else ''}"
+
+
+def _is_tied(summary: Summary) -> bool:
+    return (summary.get("last_step") or {}).get("phase") == "tied"
+
+
 def last_numbers(summary: Summary) -> dict[str, tuple[float, float | None]]:
-    """Return numbers of the last step, each with its estimated error or None; the plate force is the size of it."""
+    """Return numbers of the last step, each with its estimated error or None; the plate force is the size of it.
+
+    Walls that are still tied have neither gaps nor contact forces; where nothing is strained there are only gaps.
+    """
     last = summary.get("last_step") or {}
     sizes = {"plate_force": hypot(*(last.get(f"plate_force_{axis}") or 0.0 for axis in "xyz"))} if last else {}
     found = {}
-    for name in _TOLD:
+    for name in _names(summary):
         value, error = sizes.get(name, last.get(name)), last.get(f"{name}_error")
         if value is not None:
             found[name] = (value, error if error is not None and isfinite(error) else None)
     return found
+
+
+def _names(summary: Summary) -> list[str]:
+    """Return the names of the numbers that mean something at the last step."""
+    last = summary.get("last_step") or {}
+    if _is_tied(summary):
+        return [name for name in _TOLD if name not in (*_GAPS, "contact_force")]
+    if summary.get("nothing_strained"):
+        return [name for name in _GAPS if abs(last.get(name) or 0.0) > 1e-9 * (last.get("plate_displacement") or 1.0)]
+    return list(_TOLD)
 
 
 def with_error(value: float, error: float | None) -> str:

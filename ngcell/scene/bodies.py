@@ -157,7 +157,7 @@ class BodyScene:
     title : str
         One line that says what happens.
     accuracy : float
-        Relative error that energies, forces and gaps of held walls may have, > 0; infinite where no error is to be
+        Relative error that energy, plate force and mean gap may have, > 0; infinite where no error is to be
         estimated.
 
     Raises

@@ -57,7 +57,7 @@ class Case(Section):
     cohesion : Cohesion, optional
         What holds walls together; by default nothing does.
     accuracy : float
-        Relative error that energies, forces and gaps of held walls may have, > 0; the mesh follows from it, and a
+        Relative error that energy, plate force and mean gap may have, > 0; the mesh follows from it, and a
         result whose estimated error is larger is not certified. Infinite where no error is to be estimated.
     mesh : MeshChoice
         How finely the walls are resolved; what is said here is kept.

@@ -83,7 +83,7 @@ class BodyCase(Section):
     strategy : Sddp, SingleStep or LoadStepping, optional
         How the load path is followed; by default by single steps, and with cohesion by load stepping.
     accuracy : float
-        Relative error that energies, forces and gaps of held walls may have, > 0; the order of the elements follows
+        Relative error that energy, plate force and mean gap may have, > 0; the order of the elements follows
         from it, and a result whose estimated error is larger is not certified. Infinite where no error is to be
         estimated.
     mesh : BodyMeshChoice

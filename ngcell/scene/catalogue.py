@@ -25,8 +25,12 @@ def shipped_cases() -> dict[str, Path]:
 def find_study(path_or_name: str | Path) -> Path:
     """Return the file of a study that a path, or the name of one that comes with ngcell, means."""
     path = Path(path_or_name)
-    shipped = (shelf / "studies" / f"{path_or_name}.toml" for shelf in _SHELVES)
-    return path if _holds(path, Path.is_file) else next((file for file in shipped if file.is_file()), path)
+    return path if _holds(path, Path.is_file) else shipped_studies().get(str(path_or_name), path)
+
+
+def shipped_studies() -> dict[str, Path]:
+    """Return the files of studies that come with ngcell, by name."""
+    return {file.stem: file for shelf in _SHELVES[::-1] for file in sorted((shelf / "studies").glob("*.toml"))}
 
 
 def find_case(path_or_name: str | Path) -> Path:

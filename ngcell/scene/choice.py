@@ -10,6 +10,7 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from ngcell.scene.registry import group
+from ngcell.scene.section import validated
 
 #: Sorts of mistakes that `ngcell.scene.complaint` puts into words.
 KIND_MISSING, KIND_UNKNOWN, NO_TABLE = "kind_missing", "kind_unknown", "no_table"
@@ -55,7 +56,7 @@ class OneOf:
             raise PydanticCustomError(
                 KIND_UNKNOWN, "kind is {kind}; allowed: {allowed}", {"kind": repr(kind), "allowed": allowed}
             )
-        return known.section(kind).model_validate(value)
+        return validated(known.section(kind), value)
 
 
 def _written(part: Any, info: SerializationInfo) -> Any:

@@ -82,8 +82,8 @@ class BodyExpected(Section):
     ----------
     quantity : str
         What is measured: on a boundary "mean_radius", "force_x" or "force_y"; between two boundaries "gap",
-        "normal_force", "contact_pressure", "pressure_spread", "peak_pressure", "contact_width" and, for each length at
-        rest, "nominal_peak_pressure", "nominal_contact_width".
+        "normal_force", "contact_pressure", "pressure_spread", "peak_pressure", "contact_width" and, per
+        reference length, "nominal_peak_pressure", "nominal_contact_width".
     boundary : str, optional
         The boundary, for a quantity on one.
     between : tuple of str, shape (2,), optional

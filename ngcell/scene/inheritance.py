@@ -2,8 +2,9 @@
 
 Tables merge key by key. A table of another `kind` takes the place of the inherited one. In lists of tables
 that each have a `name`, or a `boundary`, of their own, those of the same merge and others are added; any other list
-takes the place of the inherited one. Expected numbers are never inherited: they belong to one scene. Paths of files
-are relative to the case file that names them.
+takes the place of the inherited one. Expected numbers are never inherited: they belong to one scene. An inherited title
+and an inherited source tell which file has changed the scene. Paths of files are relative to the case file that names
+them.
 """
 
 from __future__ import annotations
@@ -70,6 +71,10 @@ def read_table(file: Path, shown: str | None = None, heirs: tuple[Path, ...] = (
         )
     inherited = read_table(parent, None, (*heirs, file))
     inherited.table.pop("expected", None)
+    if inherited.table.get("title") and "title" not in table:
+        inherited.table["title"] = f"{inherited.table['title']}, changed by {file.name}"
+    if inherited.table.get("source") and "source" not in table:
+        inherited.table["source"] = f"Changed by {file.name}; of {name}: {inherited.table['source']}"
     return _extended(inherited, CaseTable(table, places))
 
 

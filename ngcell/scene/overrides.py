@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from ngcell.errors import CaseError
 from ngcell.scene.dotted import key_path
 from ngcell.scene.lines import KeyPath
+
+#: Keys that change nothing of what a title says.
+_SAYS_NOTHING = {"title", "source", "expected", "accuracy", "mesh"}
+#: Longest value that a title tells.
+_LONGEST = 30
 
 
 @dataclass(frozen=True)
@@ -62,6 +67,33 @@ def with_settings(table: dict[str, Any], settings: Sequence[Setting]) -> dict[st
     for setting in settings:
         table = _replaced(table, setting.path, setting)
     return table
+
+
+def title_of_changed(table: Mapping[str, Any], settings: Sequence[Setting]) -> tuple[Setting, ...]:
+    """Return the title of a case beside whose file values are set: the file's own, and what was set.
+
+    Parameters
+    ----------
+    table : mapping of str to Any
+        What the file says.
+    settings : sequence of Setting
+        What is set.
+
+    Returns
+    -------
+    tuple of Setting
+        The title; empty where the file has none, where it is set itself, or where nothing else is.
+    """
+    keys, title = {setting.path[0] for setting in settings}, table.get("title")
+    told = [_said(setting) for setting in settings if setting.path[0] not in _SAYS_NOTHING]
+    if not told or "title" in keys or not isinstance(title, str) or not title:
+        return ()
+    return (Setting(("title",), f"{title} (with {', '.join(told)})", "title"),)
+
+
+def _said(setting: Setting) -> str:
+    key, value = ".".join(map(str, setting.path)), str(setting.value)
+    return f"{key} = {value}" if len(value) <= _LONGEST else f"another {key}"
 
 
 def _parse(override: str) -> Setting:

@@ -14,7 +14,8 @@ from ngcell.scene.catalogue import find_case
 from ngcell.scene.complaint import CaseText, complaints
 from ngcell.scene.inheritance import CaseTable, read_table
 from ngcell.scene.kinds import AnyCase, kind_of_case
-from ngcell.scene.overrides import Setting, settings_of, with_settings
+from ngcell.scene.overrides import Setting, settings_of, title_of_changed, with_settings
+from ngcell.scene.section import validated
 from ngcell.scene.written_bodies import written_bodies
 
 #: Keys that say how a scene is solved, or nothing about it: expected numbers hold whatever they are.
@@ -31,7 +32,8 @@ def read_case(path_or_name: str | Path, overrides: Sequence[str] = ()) -> AnyCas
         takes over what another case says.
     overrides : sequence of str
         ``key=value`` with a dotted key and a TOML value (or a bare string), in place of the file's values. The file's
-        expected numbers are dropped where an override makes it another scene, unless one sets them as well.
+        expected numbers are dropped where an override makes it another scene, unless one sets them as well, and its
+        title is followed by what was set, unless one sets it.
 
     Returns
     -------
@@ -45,7 +47,8 @@ def read_case(path_or_name: str | Path, overrides: Sequence[str] = ()) -> AnyCas
     """
     file = find_case(path_or_name)
     try:
-        return variant(str(file), read_table(file), settings_of(overrides))
+        said, settings = read_table(file), settings_of(overrides)
+        return variant(str(file), said, (*settings, *title_of_changed(said.table, settings)))
     except RecursionError:
         raise CaseError(f"{file}: tables or lists are nested too deep; allowed: the keys of a case") from None
 
@@ -67,7 +70,7 @@ def variant(name: str, said: CaseTable, settings: Sequence[Setting]) -> AnyCase:
         before = {key: value for key, value in before.items() if key != "expected"}
     table = with_settings(before, settings)
     try:
-        return kind_of_case(table).model_validate(table)
+        return validated(kind_of_case(table), table)
     except ValidationError as error:
         overridden = {setting.path: setting.place or f"{name}: --set" for setting in settings}
         raise CaseError("\n".join(complaints(error, CaseText(name, table, said.places, overridden)))) from None

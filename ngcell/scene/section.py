@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Self, TypeVar
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, ValidationError
-from pydantic_core import ErrorDetails
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetJsonSchemaHandler, Strict, ValidationError
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema, ErrorDetails
 
 from ngcell.errors import CaseError
+from ngcell.scene.meanings import meanings
 
 #: Frozen, without unknown keys; a number is a number (never a string or a boolean) and finite.
 SECTION = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
@@ -27,6 +31,7 @@ FilePath = Annotated[str, Field(min_length=1), AfterValidator(lambda text: str(P
 #: Two numbers along x and y. TOML knows lists, not tuples: the outer shape is lax, the numbers stay strict.
 PlanarVector = Annotated[tuple[float, float], Strict(False)]
 
+Model = TypeVar("Model", bound=BaseModel)
 _LONGEST_VALUE = 60
 #: How the validating library begins what it says of a value.
 _BEGINS = ("Input should be ", "Value error, ", "Value should be ", "Assertion failed, ")
@@ -45,14 +50,51 @@ class Section(BaseModel):
     model_config = SECTION
 
     def __init__(self, /, **values: Any) -> None:
-        try:
+        with _told_of(type(self)):
             super().__init__(**values)
-        except ValidationError as error:
-            lines = dict.fromkeys(_complaint(type(self), detail) for detail in error.errors())
-            raise CaseError("\n".join(lines)) from None
 
     # With this mark the library does not call `__init__` for tables of files: their mistakes are told by the reader.
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
+
+    @classmethod
+    def model_validate(cls, obj: Any, **options: Any) -> Self:
+        """Return the section that a table of a script says; see `validated` for tables of files."""
+        with _told_of(cls):
+            return super().model_validate(obj, **options)
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        """Return the schema of the table, whose entries mean what the docstrings say."""
+        told, node = meanings(cls), handler(schema)
+        for entry, what in handler.resolve_ref_schema(node).get("properties", {}).items():
+            if entry in told:
+                what["description"] = told[entry]
+        return node
+
+
+def validated(section: type[Model], table: Any) -> Model:
+    """Return the section that a table of a file says.
+
+    Raises
+    ------
+    ValidationError
+        The table is wrong; the reader of the file tells it, with the line of the file.
+    """
+    if not issubclass(section, Section):
+        return section.model_validate(table)
+    found: Model = super(Section, section).model_validate(table)
+    return found
+
+
+@contextmanager
+def _told_of(section: type[BaseModel]) -> Iterator[None]:
+    """Tell mistakes in the values of a section in our words."""
+    try:
+        yield
+    except ValidationError as error:
+        lines = dict.fromkeys(_complaint(section, detail) for detail in error.errors())
+        raise CaseError("\n".join(lines)) from None
 
 
 def _complaint(section: type[BaseModel], detail: ErrorDetails) -> str:

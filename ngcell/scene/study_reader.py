@@ -16,6 +16,7 @@ from ngcell.scene.dotted import flattened, joined, key_path
 from ngcell.scene.inheritance import read_toml
 from ngcell.scene.lines import KeyPath, Place, key_lines, place_of
 from ngcell.scene.overrides import Setting
+from ngcell.scene.section import validated
 from ngcell.scene.study import Study, named_axes
 
 _FILE = "tissue.file"
@@ -73,7 +74,7 @@ def read_study(path: Path | str) -> WrittenStudy:
         if "set" in table:
             table["set"] = _as_set(table["set"], places)
         table = _located(table, file.parent)
-        return WrittenStudy(Study.model_validate(table), shown, places)
+        return WrittenStudy(validated(Study, table), shown, places)
     except RecursionError:
         raise CaseError(f"{shown}: tables or lists are nested too deep; allowed: the keys of a study") from None
     except ValidationError as error:

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from copy import deepcopy
 from functools import cache
 from typing import Any
 
 from pydantic import TypeAdapter
 
 from ngcell.scene.accuracy import OR_INFINITE
-from ngcell.scene.case import Case
-from ngcell.scene.case_of_bodies import BodyCase
 from ngcell.scene.choice import DEFAULT_KIND
 from ngcell.scene.kinds import AnyCase, kind_of_case
 from ngcell.scene.lines import KeyPath
@@ -19,9 +16,7 @@ from ngcell.scene.study import Study
 
 Node = dict[str, Any]
 
-#: The key of a case file that is none of a case: it names the case that the file extends.
-EXTENDS = "extends"
-_PART, _DRAFT = "InPart", "https://json-schema.org/draft/2020-12/schema"
+DRAFT = "https://json-schema.org/draft/2020-12/schema"
 
 
 def _schema() -> Node:
@@ -29,7 +24,7 @@ def _schema() -> Node:
 
 
 def _definitions() -> dict[str, Node]:
-    study = _schema_of_study(registered())
+    study = schema_of_study()
     return {**_schema()["$defs"], **study["$defs"], Study.__name__: study}
 
 
@@ -45,61 +40,13 @@ def _schema_of(own_kinds: tuple[type, ...]) -> Node:
 
 
 def schema() -> Node:
-    """Return the JSON schema of a case file of either kind.
-
-    Notes
-    -----
-    Editors find the keys to offer by way of `$ref`, `anyOf`, `oneOf` and `properties` only: no `if` stands before them.
-    """
-    whole = _schema()
-    definitions = {**whole["$defs"], **{f"{name}{_PART}": _in_part(node) for name, node in whole["$defs"].items()}}
-    parts = [definitions[kind.__name__ + _PART] for kind in (Case, BodyCase)]
-    for part in parts:
-        part["properties"][EXTENDS] = {"type": "string", "description": "Case whose keys are taken over."}
-        part["required"] = [EXTENDS]
-    in_part = [{"$ref": f"#/$defs/{kind.__name__}{_PART}"} for kind in (Case, BodyCase)]
-    told: Node = _with_infinity(
-        {
-            "$schema": _DRAFT,
-            "$defs": definitions,
-            "anyOf": [{key: value for key, value in whole.items() if key != "$defs"}, *in_part],
-        }
-    )
-    return told
+    """Return the JSON schema of a whole case of either kind; that which editors read is made of it."""
+    return {"$schema": DRAFT, **_schema()}
 
 
-def _with_infinity(node: Any) -> Any:
-    """Let numbers that may be infinite be null, which editors take TOML's `inf` for: JSON has no word for it."""
-    if isinstance(node, list):
-        return [_with_infinity(item) for item in node]
-    if not isinstance(node, dict):
-        return node
-    told = {key: _with_infinity(value) for key, value in node.items()}
-    if told.get("format") != OR_INFINITE:
-        return told
-    common = {key: told.pop(key) for key in ("default", "title", "description") if key in told}
-    return {**common, "anyOf": [told, {"type": "null"}]}
-
-
-def _in_part(node: Any) -> Any:
-    """Return the schema of what a case that extends another says: any part of what a whole case says."""
-    if isinstance(node, list):
-        return [_in_part(item) for item in node]
-    if not isinstance(node, dict):
-        return f"{node}{_PART}" if isinstance(node, str) and node.startswith("#/$defs/") else node
-    kept = {key: _in_part(value) for key, value in node.items() if key not in ("required", "discriminator", "oneOf")}
-    # Without its kind, which may be inherited, a table may be of several kinds.
-    return {**kept, "anyOf": _in_part(node["oneOf"])} if "oneOf" in node else kept
-
-
-def study_schema() -> Node:
-    """Return the JSON schema of a study: an axis is also a list, or a table of tables, as TOML reads a dotted key."""
-    node = deepcopy(_schema_of_study(registered()))
-    axes = node["properties"]["axes"]
-    named = {"type": "object", "required": ["kind"]}
-    other = {"type": ["array", "object"]}
-    axes["additionalProperties"] = {"if": named, "then": axes["additionalProperties"], "else": other}
-    return {"$schema": _DRAFT, **node}
+def schema_of_study() -> Node:
+    """Return the JSON schema of a study whose axes all are tables with a kind."""
+    return _schema_of_study(registered())
 
 
 def node_at(path: KeyPath, table: Any, section: str | None = None) -> Node:

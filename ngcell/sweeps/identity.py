@@ -34,5 +34,6 @@ def code_told() -> str:
 
 
 def content_key(case: AnyCase) -> str:
-    """Return the name by which the result of a case is known: SHA-256, 64 hexadecimal digits."""
-    return sha256(f"{resolved_toml(case)}{file_told(case)}# {code_told()}\n".encode()).hexdigest()
+    """Return the name by which the result of a case is known, whatever its title: SHA-256, 64 hexadecimal digits."""
+    untitled = case.model_copy(update={"title": "", "source": ""})
+    return sha256(f"{resolved_toml(untitled)}{file_told(case)}# {code_told()}\n".encode()).hexdigest()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 from random import sample
 from time import monotonic
@@ -13,7 +14,7 @@ from typing import Any
 from ngcell.errors import CaseError, OutputError
 from ngcell.export import read_summary, write_summary
 from ngcell.export.ownership import PROGRAM, claim_folder
-from ngcell.export.summary import SUMMARY
+from ngcell.export.summary import FIRST_CASE, SUMMARY
 from ngcell.scene import resolved_toml
 from ngcell.scene.study import Study
 from ngcell.scene.study_reader import WrittenStudy, read_study
@@ -225,9 +226,23 @@ class Sweep:
                 "accepted_steps": ended,  # a run asks before it replaces them
                 SWEEP: {"cases": len(self.cases), "ended": ended, "outcomes": dict(self.outcomes)},
                 "certified": self.certified,
-                "study": study.model_dump(mode="json"),
+                "study": _with_words(study.model_dump()),
+                FIRST_CASE: self._first_case(),
             },
         )
+
+    def _first_case(self) -> str:
+        """Return the text of the first case that can be run, fully resolved; empty where there is none."""
+        return next((resolved_toml(self.cases.case(number)) for number, key in enumerate(self._keys) if key), "")
+
+
+def _with_words(value: Any) -> Any:
+    """Return what a study says with infinite numbers as words, as JSON has none."""
+    if isinstance(value, dict):
+        return {name: _with_words(entry) for name, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_with_words(entry) for entry in value]
+    return str(value) if isinstance(value, float) and not isfinite(value) else value
 
 
 def written_study(study: Asked) -> WrittenStudy:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import re
 import shlex
 from importlib import import_module
+from pathlib import Path
 
 import click
 import pytest
+from click.testing import CliRunner
 
 from ngcell.cli import ngcell
 from ngcell.scene import read_case, shipped_cases
@@ -54,3 +56,39 @@ def test_many_are_found() -> None:
 def test_one_that_does_not_exist_is_found(command: str) -> None:
     with pytest.raises(click.UsageError):
         known(command)
+
+
+#: What shown commands stand for, and what makes their tissue small.
+PLACES = {"CASE": "shear-empty-3x3", "DIR...": "out/shear-empty", "DIR": "out/shear-empty", "FILE.feb": "tissue.feb",
+          "STUDY": "wall-and-pressure", "STUDY.toml": "irregular"}  # fmt: skip
+SMALL = ("tissue.rows=1", "tissue.cols=2", "accuracy=inf", "mesh.order=2", "load.levels=1",
+         "load.displacement=[0.1, 0.0]")  # fmt: skip
+#: Commands that tests of their pages run, in tests/docs/test_pages.py, and words that are no whole command.
+ELSEWHERE = re.compile(r"five\.toml|micrograph\.toml|out/first|picture cells\.png|COMMAND|members N$")
+
+
+def small(command: str) -> list[str]:
+    """Return the words of a command of `ngcell` that does as it says to a tissue of two cells, or foresees a sweep."""
+    words = [PLACES.get(word, word) for word in shlex.split(command)[1:]]
+    if words[0] in {"check", "solve", "export-febio"} and "--resume" not in words:
+        words += [part for entry in SMALL for part in ("--set", entry)]
+    if "--members" in words:
+        words[words.index("--members") + 1] = "2"
+    if words[0] == "solve" and "--resume" not in words:
+        words += ["--force"]
+    return [*words, "--dry-run"] if words[0] == "sweep" else words
+
+
+def test_the_commands_that_are_shown_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In one folder, results first: of the README and of all pages, at small size."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("DISPLAY", raising=False)
+    (case,) = re.findall(r"^```toml\n(.*?)^```", (ROOT / "README.md").read_text(), flags=re.DOTALL | re.MULTILINE)
+    Path("mine.toml").write_text(case)
+    shown = [command for command in COMMANDS if command.startswith("ngcell ") and not ELSEWHERE.search(command)]
+    alone = ("--help", "cases", "schema")
+    whole = [command for command in shown if len(command.split()) > 2 or command.endswith(alone)]
+    ordered = sorted(whole, key=lambda command: (" solve " not in command, "--resume" in command))
+    ran = [command for command in ordered if CliRunner().invoke(ngcell, small(command)).exit_code == 0]
+    assert ran == ordered and len(ran) > 20
+    assert Path("tissue.feb").exists() and Path("out/shear-empty/report.html").exists()

@@ -4,10 +4,11 @@ import sys
 import ngsolve
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.image import imread
 
 from ngcell.errors import OutputError
-from ngcell.export import SnapshotSeries, draw_curves, draw_debonding, draw_tissue, show, write_summary
+from ngcell.export import SnapshotSeries, curves, draw_curves, draw_debonding, draw_tissue, picture, show, write_summary
 from ngcell.export.outline import cell_loops, planar_view
 from ngcell.export.solid_picture import _below, _moved
 from ngcell.results.patterns import pattern_of
@@ -60,6 +61,28 @@ def test_the_curves_follow_the_data_and_show_the_onset(tmp_path, make_record):
 def test_a_history_without_load_or_contact_can_be_drawn(tmp_path, make_record):
     record = make_record(0, gap=0.0, phase="tied")
     assert draw_curves([record], tmp_path / "gap.png", certified=True).exists()
+
+
+def test_curves_are_told_apart_without_colour(tmp_path, make_record, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(curves, "save_png", lambda figure, path: drawn.append(figure))
+    history = [make_record(step, free_largest_gap=0.1, free_mean_gap=0.05) for step in range(3)]
+    draw_curves(history, tmp_path / "gap.png", certified=True)
+    looks = [(line.get_linestyle(), line.get_marker()) for line in drawn[0].axes[0].lines]
+    assert len(looks) == len(set(looks)) == 4
+
+
+def test_a_long_title_stays_within_the_picture(tmp_path, make_snapshot, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(picture, "save_png", lambda figure, path: drawn.append(figure))
+    title = "A tissue (with " + ", ".join(f"tissue.some_key_{number} = {number}" for number in range(20)) + ")"
+    draw_tissue(make_snapshot(1), tmp_path / "tissue.png", title=title, certified=True)
+    (figure,) = drawn
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    (heading,) = (text for text in figure.axes[0].texts if text.get_text().startswith("A tissue"))
+    box = heading.get_window_extent(canvas.get_renderer())
+    assert box.x1 < figure.bbox.x1 and box.y1 < figure.bbox.y1 and heading.get_text().endswith("…")
 
 
 def test_tied_cells_that_share_points_are_outlined_apart():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -65,10 +66,15 @@ def block_walls(apart: float) -> Grid:
     return Grid(points, np.arange(18).reshape(2, 9), 28, data, {"cell_id": np.array([0, 1])})
 
 
-def snapshot(step: int, *, solid: bool = False) -> Snapshot:
+def snapshot(step: int, *, solid: bool = False, rigid: bool = False) -> Snapshot:
+    """Return a step; where asked for, the body that is moved is rigid."""
     apart = 0.1 * (step + 1)
     bodies, walls = (blocks, block_walls) if solid else (ring_bodies, facing_walls)
-    return Snapshot(step, apart, apart, bodies(apart), walls(apart))
+    bulk = bodies(apart)
+    if rigid:
+        owner = bulk.cell_data["cell_id"]
+        bulk = replace(bulk, cell_data={"cell_id": owner, "free": 0 * owner, "rigid": owner})
+    return Snapshot(step, apart, apart, bulk, walls(apart))
 
 
 def record(step: int, *, certified: bool = True) -> StepRecord:
@@ -82,7 +88,14 @@ def record(step: int, *, certified: bool = True) -> StepRecord:
 
 
 def write_run(
-    folder: Path, *, levels: int = 3, certified: bool = True, ends: bool = True, solid: bool = False, title: str = ""
+    folder: Path,
+    *,
+    levels: int = 3,
+    certified: bool = True,
+    ends: bool = True,
+    solid: bool = False,
+    rigid: bool = False,
+    title: str = "",
 ) -> Path:
     """Write the result of a run of as many levels; where it is not certified, the last one is what fails."""
     with ResultFolder(folder, case_text=CASE.format(levels=levels)) as result:
@@ -90,7 +103,7 @@ def write_run(
             passed = certified or step < levels - 1
             walls = [WallRecord(step, 0.1 * (step + 1), 0, 1, gap, 0.05, 0.0, 1.0, True, 0, np.nan) for gap in GAPS]
             cells = [CellRecord(step, 0.1 * (step + 1), 0.1, cell, 0.5 - cell, 0, 2, cell == 0) for cell in range(2)]
-            result.accept(record(step, certified=passed), walls, snapshot(step, solid=solid), cells)
+            result.accept(record(step, certified=passed), walls, snapshot(step, solid=solid, rigid=rigid), cells)
         if ends:
             result.finish(summary(levels, certified) | ({"title": title} if title else {}))
     return folder

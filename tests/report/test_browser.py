@@ -123,6 +123,43 @@ def test_the_picture_shows_the_bodies_and_not_an_empty_stage(open_page: Any, tmp
     assert 0.15 < count["share"] < 0.45 and count["colours"] > 20
 
 
+def test_a_rigid_body_is_filled_and_carries_no_field(open_page: Any, tmp_path: Path) -> None:
+    page = open_page(write_report([write_run(tmp_path / "run", rigid=True)]).file)
+    grey = """name => {
+      const canvas = document.querySelector(`[data-part=${name}]`), copy = document.createElement('canvas');
+      Object.assign(copy, { width: canvas.width, height: canvas.height });
+      const brush = copy.getContext('2d');
+      brush.drawImage(canvas, 0, 0);
+      const data = brush.getImageData(0, 0, copy.width, copy.height).data;
+      let rigid = 0, right = 0;
+      for (let i = 0; i < data.length; i += 4) {
+        rigid += data[i + 3] && data[i] === 0xaa && data[i + 1] === 0xb0 && data[i + 2] === 0xb8;
+        right += data[i + 3] && (i / 4) % copy.width > 0.6 * copy.width;
+      }
+      return [rigid / (data.length / 4), right / (data.length / 4)];
+    }"""
+    filled, _ = page.evaluate(grey, "under")
+    assert 0.25 < filled < 0.6, "a whole unit square in a window of 2.3 by 1 and its margins"
+    assert page.evaluate(grey, "bodies")[1] == 0, "no element of it is coloured"
+    _, words = page.evaluate(grey, "over")
+    assert words > 0
+    assert "from 0 to 2.333" in page.locator("[data-part=whole]").inner_text(), "the field is that of the first ring"
+
+
+def test_a_cell_that_nothing_holds_is_hatched(open_page: Any, tmp_path: Path) -> None:
+    page = open_page(write_report([write_run(tmp_path / "run")]).file)
+    shades = page.evaluate(
+        """() => {
+          const canvas = document.querySelector('[data-part=under]'), found = [new Set(), new Set()];
+          const data = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+          for (let i = 0; i < data.length; i += 4)
+            if (data[i + 3] === 255) found[Number((i / 4) % canvas.width > canvas.width / 2)].add(data[i]);
+          return found.map(one => Math.max(...one) - Math.min(...one));
+        }"""
+    )
+    assert shades[0] < 10 < 40 < shades[1], "in grey, too: the second ring, on the right, is free"
+
+
 def test_rows_are_sorted_by_their_numbers_and_filtered_by_their_levels(open_page: Any, tmp_path: Path) -> None:
     page = open_page(write_report([write_run(tmp_path / "run")]).file)
     table = page.locator("#run-0-wall-rows")

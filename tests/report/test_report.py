@@ -166,6 +166,7 @@ def test_runs_are_told_side_by_side(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert report.file == Path("report.html")
     page = read(report.file)
     assert "1 of 2 results are certified" in page.words and "Deformed, side by side" in page.words
+    assert "one</text>" in page.text and "two, not certified</text>" in page.text
     assert "What the cases say differently" in page.words and "levels 3" in page.words and "levels 2" in page.words
     assert len(page.ids) == len(set(page.ids))
 
@@ -209,6 +210,22 @@ def test_a_sweep_is_told_by_its_table(tmp_path: Path) -> None:
     assert page.text.count('class="refused"') == 1 and "here" not in page.words.split()
 
 
+def test_a_sweep_tells_its_errors_its_first_case_and_its_versions(tmp_path: Path) -> None:
+    rows = ["case,tissue.wall,level,load_factor,energy,energy_error,dark,certified,outcome,processor_seconds,ngcell"]
+    rows += [f"{n},0.{n + 1},0,1.0,0.{n + 2},0.01,3,True,certified,2.0,9.9.9" for n in range(3)]
+    (tmp_path / "sweep.csv").write_text("\n".join(rows) + "\n")
+    about = {"program": "ngcell", "status": "finished", "title": "Walls", "first_case": "[tissue]\nwall = 0.1"}
+    write_summary(tmp_path, about | {"study": {"case": "shear-empty", "set": {"accuracy": "inf"}}})
+    page = read(write_report([tmp_path]).file)
+    for words in ("Bars are estimated errors.", "fully resolved [tissue] wall = 0.1", "6 s of the processor for 3 runs",
+                  "ngcell 9.9.9", "accuracy inf", "dark over tissue.wall"):  # fmt: skip
+        assert words in page.words, words
+    (tmp_path / "sweep.csv").write_text("\n".join(rows).replace(",0.01,", ",nan,") + "\n")
+    bare = read(write_report([tmp_path]).file)
+    assert "Errors are not estimated." in bare.words
+    assert page.text.count("<path") > bare.text.count("<path"), "bars"
+
+
 def test_pictures_of_cases_say_which_and_whether_they_are_certified(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -230,6 +247,14 @@ def test_a_sweep_that_has_not_ended_is_not_certified(tmp_path: Path) -> None:
     (tmp_path / "sweep.csv").write_text(SWEEP.replace("False", "True"))
     write_summary(tmp_path, {"program": "ngcell", "status": "stopped", "sweep": {"cases": 3}})
     assert 'class="verdict refused"' in write_report([tmp_path]).file.read_text()
+
+
+def test_each_level_tells_which_cells_nothing_holds_there() -> None:
+    bulk = snapshot(0).bulk
+    held = replace(bulk, cell_data={**bulk.cell_data, "free": 0 * bulk.cell_data["free"]})
+    data = player_of([(replace(snapshot(0), bulk=held), True), (snapshot(1), True)], 10**7).data
+    assert [level["free"] for level in data["levels"]] == [[], [1]]
+    assert len(data["shapes"]) == 1, "of one mesh there is one shape"
 
 
 def test_a_page_stays_small_and_says_what_was_left_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

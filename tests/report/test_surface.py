@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import pyvista
 from vtkmodules.vtkCommonDataModel import vtkGenericCell
 
-from ngcell.report.surface import surface_of
+from ngcell.report.surface import is_of_rigid, surface_of
 from ngcell.results.snapshot import Grid
 from tests.export.conftest import ring_bodies
 from tests.report.results import blocks
@@ -31,7 +33,6 @@ def test_lines_are_where_facets_meet_at_an_angle() -> None:
     ends = grid.points[surface.points][surface.lines]
     length = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1).sum()
     assert length == pytest.approx(2 * (4 * 2 + 8 * 1)), "the twelve edges of each block of 2 x 1 x 1"
-    assert set(surface.dashed.tolist()) == {False, True}
 
 
 @pytest.mark.parametrize("kind", [24, 29, 32])
@@ -53,9 +54,20 @@ def element(kind: int) -> tuple[np.ndarray, np.ndarray]:
     return places * [1.0, 1.3, 0.7] + 0.1 * places[:, [1, 2, 0]], np.arange(len(places))
 
 
+def test_a_rigid_body_is_an_outline_to_be_filled_and_no_shell() -> None:
+    rings = ring_bodies(0.1)
+    grid = replace(rings, cell_data={**rings.cell_data, "rigid": rings.cell_data["cell_id"]})
+    surface = surface_of(grid)
+    assert area(grid.points[surface.points], surface.triangles) == pytest.approx(1 - 0.8**2), "of the first ring only"
+    assert len(surface.loops) == len(surface.rigid) == 1
+    corners = grid.points[surface.points][surface.rigid[0]]
+    assert sorted(corners[:, 0].tolist()) == [1.0, 1.0, 2.0, 2.0], "the outer edge of the second ring"
+    assert set(surface.owner[surface.rigid[0]].tolist()) == {1}
+    assert is_of_rigid(grid).tolist() == [False] * 8 + [True] * 8 and not is_of_rigid(rings).any()
+
+
 def test_rings_are_covered_and_outlined() -> None:
     grid = ring_bodies(0.1)
     surface = surface_of(grid)
     assert area(grid.points[surface.points], surface.triangles) == pytest.approx(2 * (1 - 0.8**2))
     assert len(surface.loops) == 2
-    assert surface.dashed.sum() == len(surface.lines) / 2

@@ -14,6 +14,7 @@ from ngcell.results.verdict import (
     checks_not_passed,
     error_remark,
     headline,
+    last_load,
     last_numbers,
     with_error,
 )
@@ -52,6 +53,22 @@ def test_each_check_that_failed_comes_with_advice() -> None:
     assert (failed.name, failed.worst, failed.limit) == ("residual", 0.1, 1e-6)
     assert "mesh.size" in failed.advice
     assert set(LIMITS) <= set(ADVICE)
+
+
+def test_walls_that_are_still_tied_have_no_gaps_and_are_told_to_be_tied() -> None:
+    stopped = run(last_step=LAST | {"phase": "tied", "load_factor": 0.5, "mean_gap": 1e-16, "contact_force": 0.0})
+    assert list(last_numbers(stopped)) == ["energy", "plate_force"]
+    assert last_load(stopped) == "plate displacement 1, load factor 0.5, walls still tied"
+    released = run(last_step=LAST | {"phase": "released", "load_factor": 0.5})
+    assert "mean_gap" in last_numbers(released) and last_load(released) == "plate displacement 1, load factor 0.5"
+    assert last_load({}) == ""
+
+
+def test_of_a_tissue_that_nothing_strains_no_round_off_is_told() -> None:
+    apart = run(nothing_strained=True)
+    assert list(last_numbers(apart)) == ["mean_gap"]
+    assert last_numbers(apart | {"last_step": LAST | {"mean_gap": 1e-16}}) == {}
+    assert "no wall is strained" in error_remark(apart)
 
 
 def test_numbers_have_errors_where_they_are_known() -> None:

@@ -41,6 +41,14 @@ def solved(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
+def test_a_tissue_that_nothing_holds_together_says_so_and_tells_no_round_off(tmp_path: Path):
+    sets = ["tissue.cols=1", "load.displacement=[0.0, 0.3]", "load.levels=1", "accuracy=inf", "mesh.order=1"]
+    run = subprocess.run(arguments(*sets, out=tmp_path / "out"), capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    assert "no wall is strained" in run.stdout and "largest gap    0.3\n" in run.stdout
+    assert "energy   " not in run.stdout and "plate force" not in run.stdout
+
+
 def test_the_folder_holds_what_its_page_lists(solved: Path):
     named = re.findall(r"^\| (`[^|]+`) \|", PAGE.read_text(), flags=re.MULTILINE)
     files = [name.strip("` ") for entry in named for name in entry.split(",")]

@@ -6,7 +6,7 @@ from dataclasses import FrozenInstanceError
 
 import pytest
 
-from ngcell import Polygons, Study
+from ngcell import Case, Polygons, Study
 from ngcell.errors import CaseError
 from ngcell.scene import Body, BodyForce, BodyScene, BodySupport, MooneyRivlin, Pressure, Traction
 
@@ -105,6 +105,12 @@ def test_wrong_loads_say_what_is_allowed(kind, given, message):
             "MooneyRivlin: c1 is -1; allowed: greater than 0",
             "MooneyRivlin: bulk_modulus is missing; allowed: c1 (needed), c2 (needed), bulk_modulus (needed)",
             "MooneyRivlin: bulk_modulos is unknown; did you mean bulk_modulus?",
+        ]),
+        (lambda: Case.model_validate({"tissue": {"rows": 1, "cols": 2, "wall": -0.1}, "colour": 3}), [
+            "Case: tissue.wall is -0.1; allowed: greater than 0",
+            "Case: material is missing; ",
+            "Case: load is missing; ",
+            "Case: colour is unknown; allowed: tissue (needed)",
         ]),
         (lambda: Study(case="a", axes={"tissue.wall": {"kind": "gird"}}), [
             "Study: axes.tissue.wall is {'kind': 'gird'}; allowed: grid, range",

@@ -39,7 +39,16 @@ def test_the_file_wins_and_the_rest_is_taken_over(family):
     case, inherited = read_case(heir), read_case(heir.with_name("good.toml"))
     assert (case.tissue.wall, case.mesh.order) == (0.2, 2)
     assert case.tissue.model_copy(update={"wall": 0.1}) == inherited.tissue
-    assert (case.title, case.material, case.load) == (inherited.title, inherited.material, inherited.load)
+    assert (case.material, case.load) == (inherited.material, inherited.load)
+
+
+def test_an_inherited_title_tells_which_file_has_changed_the_scene(family):
+    heir = family(heir='extends = "good.toml"\n[tissue]\nwall = 0.2', good=GOOD)
+    assert read_case(heir).title == f"{read_case(heir.with_name('good.toml')).title}, changed by heir.toml"
+    sourced = family(known='extends = "shear-empty"\n[tissue]\nwall = 0.2')
+    assert read_case(sourced).source.startswith("Changed by known.toml; of shear-empty: Sheared tissue")
+    named = family(named='extends = "good.toml"\ntitle = "Thick walls"\n[tissue]\nwall = 0.2')
+    assert read_case(named).title == "Thick walls"
 
 
 def test_a_table_of_another_kind_takes_the_place_of_the_inherited_one(family):

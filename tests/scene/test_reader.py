@@ -141,6 +141,16 @@ def test_overrides_replace_and_add_values(write_case: WriteCase) -> None:
     assert case.mesh.order == 3
 
 
+def test_a_title_is_followed_by_what_was_set_beside_the_file(write_case: WriteCase) -> None:
+    title = read_case(write_case()).title
+    changed = read_case(write_case(), ["tissue.rows=3", "load.displacement=[0.2, 0.0]", "expected=[]"])
+    assert changed.title == f"{title} (with tissue.rows = 3, load.displacement = [0.2, 0.0])"
+    many = ", ".join(f"{0.01 * number:.2f}" for number in range(1, 21))
+    assert read_case(write_case(), [f"load.levels=[{many}]"]).title == f"{title} (with another load.levels)"
+    assert read_case(write_case(), ["tissue.rows=3", "title=Three rows"]).title == "Three rows"
+    assert read_case(write_case(), ["expected=[]"]).title == title
+
+
 def test_override_reaches_into_a_list(write_case: WriteCase) -> None:
     assert read_case(write_case(), ["load.displacement.0=0.3"]).load.displacement == (0.3, 0.0)
 

@@ -69,7 +69,8 @@ def test_lists_that_are_zipped_are_taken_together():
 def test_cases_are_what_set_gives_on_the_command_line():
     found = cases({"tissue.wall": [0.05, 0.2], "mesh.order": {"kind": "range", "start": 1, "stop": 3, "number": 3}})
     last = ngcell.read_case("shear-empty-3x3", ["tissue.wall=0.2", "mesh.order=3"])
-    assert found.case(5) == last
+    untitled = {"title": found.case(5).title}  # a study has a title of its own
+    assert found.case(5) == last.model_copy(update=untitled)
     assert content_key(found.case(5)) == content_key(last) != content_key(found.case(4))
 
 
@@ -117,7 +118,7 @@ def test_the_schema_of_a_study_lists_its_keys_and_axes():
     answer = CliRunner().invoke(command, ["schema", "--study"])
     node = json.loads(answer.stdout)
     assert node["required"] == ["case", "axes"]
-    kinds = node["properties"]["axes"]["additionalProperties"]["then"]["discriminator"]["mapping"]
+    kinds = node["properties"]["axes"]["additionalProperties"]["properties"]["kind"]["anyOf"][0]["enum"]
     assert {"grid", "range", "log-range", "random", "zip", "latin-hypercube"} == set(kinds)
 
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import time
+import tomllib
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from math import inf
 
 import numpy as np
 import pandas
@@ -257,6 +259,14 @@ def test_the_command_tells_what_it_did_and_what_is_foreseen(study, tmp_path, sch
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["certified"] and summary["sweep"] == {"cases": 6, "ended": 6, "outcomes": {"certified": 6}}
     assert read_sweep(tmp_path / "out").attrs["axes"][0]["name"] == "tissue.wall"
+
+
+def test_the_summary_says_what_was_asked_and_the_first_case_in_full(study, tmp_path, scheduler):
+    run(study, tmp_path / "out", scheduler)
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["study"]["set"]["accuracy"] == "inf"
+    first = tomllib.loads(summary["first_case"])
+    assert (first["tissue"]["wall"], first["material"]["c1"], first["accuracy"]) == (0.08, 0.5, inf)
 
 
 def test_the_folder_of_a_run_is_left_as_it_is(study, tmp_path, scheduler):

@@ -1,19 +1,15 @@
 """The case reference: every table of a case file and its entries, from the JSON schema.
 
-Types, limits and defaults are the schema's. What an entry means is in the docstring of its table, whose parameters are
-the entries, or in that of a class that it shares them with.
+Types, limits, defaults and meanings are the schema's.
 """
 
 from __future__ import annotations
 
-import re
-from inspect import cleandoc
 from typing import Any
 
-import ngcell
 from ngcell.scene import schema
+from ngcell.scene.meanings import described
 
-_SHARED = re.compile(r"those of `ngcell\.[\w.]+`")
 _LIMITS = {"exclusiveMinimum": ">", "minimum": "≥", "exclusiveMaximum": "<", "maximum": "≤"}
 _INTRODUCTION = """# Case reference
 
@@ -30,16 +26,15 @@ def case_reference() -> str:
     """Return the page, in Markdown."""
     tables = schema()["$defs"]
     first = ["Case", "BodyCase"]
-    names = [*first, *sorted(name for name in tables if name not in first and not name.endswith("InPart"))]
+    names = [*first, *sorted(tables.keys() - set(first))]
     return _INTRODUCTION + "\n".join(_table(name, tables[name]) for name in names)
 
 
 def _table(name: str, table: Schema) -> str:
     kind = table["properties"].get("kind", {}).get("const")
     about, _ = described(table.get("description", ""))
-    told = meanings(name, table)
     rows = [
-        f"| `{entry}` | {_cell(told.get(entry, ''))} "
+        f"| `{entry}` | {_cell(what.get('description', ''))} "
         f"| {_type(what)} | {_default(what, entry in table.get('required', []))} |"
         for entry, what in table["properties"].items()
         if entry != "kind"
@@ -47,23 +42,6 @@ def _table(name: str, table: Schema) -> str:
     heading = f"## {name}" + (f': `kind = "{kind}"`' if kind else "")
     listed = "\n".join(["| entry | meaning | type | default |", "|---|---|---|---|", *rows]) if rows else "No entries."
     return f"({_label(name)})=\n\n{heading}\n\n{about}\n\n{listed}\n"
-
-
-def described(text: str) -> tuple[str, dict[str, str]]:
-    """Return what a docstring says of a table, and what of each of its entries."""
-    about, _, rest = text.partition("\nParameters\n----------\n")
-    section = re.split(r"\n\n\w+\n-+\n", rest)[0]
-    found = re.findall(r"^(\w+(?:, \w+)*) : [^\n]*\n((?:(?: +[^\n]*)?\n?)*)", section, flags=re.MULTILINE)
-    told = {entry: " ".join(meaning.split()) for entries, meaning in found for entry in entries.split(", ")}
-    return _SHARED.sub("those below", about.strip()), told
-
-
-def meanings(name: str, table: Schema) -> dict[str, str]:
-    """Return what is said of each entry of a table: by itself, or by a class that it shares entries with."""
-    parents = getattr(ngcell, name, object).__mro__[:0:-1]
-    texts = [cleandoc(parent.__doc__ or "") for parent in parents if parent.__module__.startswith("ngcell.")]
-    told = (described(text)[1] for text in (*texts, table.get("description", "")))
-    return {entry: meaning for each in told for entry, meaning in each.items()}
 
 
 def _type(what: Schema) -> str:

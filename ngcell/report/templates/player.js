@@ -45,6 +45,12 @@ function shown(value) {
   return value !== 0 && Math.abs(value) < 1e-3 ? value.toExponential(2) : String(Number(value.toPrecision(4)));
 }
 
+/** Return a value of a field; what is nothing beside the largest one, and only round-off, is 0. */
+function valueOf(field, share) {
+  const value = field.smallest + share * (field.largest - field.smallest);
+  return Math.abs(value) < 1e-9 * Math.max(Math.abs(field.smallest), Math.abs(field.largest)) ? 0 : value;
+}
+
 class Player {
   constructor(root) {
     this.root = root;
@@ -204,7 +210,7 @@ class Player {
 
   async show() {
     const level = this.data.levels[this.level], field = this.data.fields[this.part.field.selectedIndex];
-    const packed = this.data.shapes[level.shape], kinds = { triangles: Uint32Array, lines: Uint32Array, dashed: Uint8Array, owner: Uint16Array, loops: Int32Array, walls: Uint32Array };
+    const packed = this.data.shapes[level.shape], kinds = { triangles: Uint32Array, lines: Uint32Array, owner: Uint16Array, loops: Int32Array, rigid: Int32Array, walls: Uint32Array };
     const shape = {};
     for (const [name, Type] of Object.entries(kinds)) shape[name] = await this.numbers(packed[name], Type);
     const rounded = await this.numbers(level.values[field.name], Uint16Array);
@@ -237,11 +243,11 @@ class Player {
     part.back.disabled = this.level === 0;
     part.on.disabled = this.level === count - 1;
     part.play.disabled = count === 1;
-    const [low, high] = this.span(), value = share => field.smallest + share * (field.largest - field.smallest);
+    const [low, high] = this.span(), value = share => valueOf(field, share);
     part.from.textContent = `${low > 1e-6 ? "\u2264 " : ""}${shown(value(low))}`;
     part.middle.textContent = shown(value((low + high) / 2));
     part.to.textContent = `${high < 1 - 1e-6 ? "\u2265 " : ""}${shown(value(high))}`;
-    part.whole.textContent = `${field.title}; from ${shown(field.smallest)} to ${shown(field.largest)} over all levels`;
+    part.whole.textContent = `${field.title}; from ${shown(value(0))} to ${shown(field.largest)} over all levels`;
     part.stage.setAttribute("aria-label", `Deformed tissue coloured by ${field.title}, ${words}`);
     this.root.dataset.shown = `${this.level} ${field.name}`;
   }
@@ -327,13 +333,31 @@ class Player {
     return brush;
   }
 
-  /** Tint the lumens, so that only gaps and the outside are white. */
+  /** Tint the lumens, so that only gaps and the outside are white, hatch those of free cells, and fill rigid bodies. */
   drawUnder(ratio) {
-    const brush = this.brush(this.part.under, ratio), { shape, places } = this.state;
-    brush.fillStyle = "#e4e9ef";
+    const brush = this.brush(this.part.under, ratio), { shape, level } = this.state, free = new Set(level.free);
+    this.fill(brush, shape.loops, "#e4e9ef", cell => !free.has(cell));
+    this.fill(brush, shape.loops, this.hatched(brush), cell => free.has(cell));
+    this.fill(brush, shape.rigid, "#aab0b8", () => true);
+  }
+
+  hatched(brush) {
+    const tile = document.createElement("canvas"), pen = tile.getContext("2d");
+    Object.assign(tile, { width: 9, height: 9 });
+    Object.assign(pen, { fillStyle: "#f3f5f7", strokeStyle: "#8a93a0", lineWidth: 1.2 });
+    pen.fillRect(0, 0, 9, 9);
+    for (const x of [-9, 0, 9]) { pen.moveTo(x - 1, 10); pen.lineTo(x + 10, -1); }
+    pen.stroke();
+    return brush.createPattern(tile, "repeat");
+  }
+
+  fill(brush, loops, style, wanted) {
+    const { shape, places } = this.state;
+    brush.fillStyle = style;
     brush.beginPath();
     let first = true;
-    for (const index of shape.loops) {
+    for (const index of loops) {
+      if (index >= 0 && !wanted(shape.owner[index])) continue;
       if (index < 0) { brush.closePath(); first = true; continue; }
       const [x, y] = this.seen(places, index);
       if (first) brush.moveTo(x, y); else brush.lineTo(x, y);
@@ -348,16 +372,16 @@ class Player {
       this.outline(brush);
       if (this.state.field.where === "walls") this.drawWalls(brush);
     }
-    if (this.part.names.checked) this.nameCells(brush);
+    this.nameBodies(brush);
   }
 
   outline(brush) {
-    const { shape, places } = this.state;
-    for (const dashed of [0, 1]) {
+    const { shape, places, level } = this.state, free = new Set(level.free);
+    for (const dashed of [false, true]) {
       let length = 0;  // lines follow each other around a cell: dashes go on from one to the next
       brush.beginPath();
-      for (let i = 0; i < shape.dashed.length; i++) {
-        if (shape.dashed[i] !== dashed) continue;
+      for (let i = 0; i < shape.lines.length / 2; i++) {
+        if (free.has(shape.owner[shape.lines[2 * i]]) !== dashed) continue;
         const [x, y] = this.seen(places, shape.lines[2 * i]), [u, v] = this.seen(places, shape.lines[2 * i + 1]);
         length += Math.hypot(u - x, v - y);
         if (dashed && length % 10 > 6) continue;
@@ -387,9 +411,12 @@ class Player {
     }
   }
 
-  nameCells(brush) {
+  /** Say which bodies are rigid, and, where it is asked for, the number of each cell. */
+  nameBodies(brush) {
     const { shape, places } = this.state, sums = new Map();
+    const rigid = new Set(Array.from(shape.rigid).filter(index => index >= 0).map(index => shape.owner[index]));
     for (let i = 0; i < shape.owner.length; i++) {
+      if (!rigid.has(shape.owner[i]) && !this.part.names.checked) continue;
       const sum = sums.get(shape.owner[i]) || [0, 0, 0, 0];
       for (let a = 0; a < 3; a++) sum[a] += places[3 * i + a];
       sum[3]++;
@@ -398,8 +425,9 @@ class Player {
     Object.assign(brush, { font: "600 12px system-ui, sans-serif", textAlign: "center", textBaseline: "middle", lineWidth: 3, strokeStyle: "#fffc", fillStyle: "#111" });
     for (const [cell, sum] of sums) {
       const [x, y] = this.seen(sum.map(value => value / sum[3]), 0);
-      brush.strokeText(String(cell), x, y);
-      brush.fillText(String(cell), x, y);
+      const words = rigid.has(cell) ? "rigid" : String(cell);
+      if (!rigid.has(cell)) brush.strokeText(words, x, y);
+      brush.fillText(words, x, y);
     }
   }
 
@@ -415,7 +443,7 @@ class Player {
       if ((u - x) ** 2 + (v - y) ** 2 < 196 && apart < least) { least = apart; best = i; }
     }
     const cell = best >= 0 && field.where === "bodies" ? `cell ${shape.owner[best]}: ` : "";
-    const value = best >= 0 ? field.smallest + values[best] * (field.largest - field.smallest) : NaN;
+    const value = best >= 0 ? valueOf(field, values[best]) : NaN;
     this.part.reading.textContent = best >= 0 ? `${cell}${field.title} ${shown(value)}` : "";
   }
 }

@@ -1,8 +1,9 @@
 """Averages over parts of bodies at rest, as sparse weights: the stress that a wall is judged by.
 
 A stress at a re-entrant corner is singular: on finer meshes its maximum grows without end, and tells nothing. Its
-average over a length that belongs to the material stays finite and converges (Pijaudier-Cabot & Bazant, J. Eng. Mech.
-113, 1987, doi:10.1061/(ASCE)0733-9399(1987)113:10(1512)). Two kinds of parts:
+average over a length that belongs to the material stays finite and converges (G. Pijaudier-Cabot and Z. P. Bazant,
+"Nonlocal damage theory", J. Eng. Mech. 113(10), 1512-1533, 1987; doi:10.1061/(ASCE)0733-9399(1987)113:10(1512), which
+was not checked). Two kinds of parts:
 
 - Walls of a planar tissue, swept along their outlines: the whole thickness, and along the wall the weights
   ``cos(pi s / 2 l)**2`` up to a distance l from the middle, which have the width l. The mean over the thickness of a
