@@ -122,7 +122,8 @@ def numbers_of(setup: Setup, problem: Problem, state: State, proximal: Held) -> 
     proximal_energy = proximal.value(at, problem.mass)
     energy, held = state.energy - problem.unstored(state.at), setup.facing.between_held(balance.free_bodies)
     scales = scales_of(problem.space, setup.modulus, energy)
-    force = max(scales.force, float(np.linalg.norm(balance.forces.force, axis=1).max(initial=0.0)))
+    # Pressures all around a body have no resultant.
+    force = max(scales.force, float(balance.forces.normal.max(initial=0.0)))
     mean, largest = mean_and_largest(setup.facing, balance.gap, held)
     overlap_work = problem.overlap_work(state.at)
     return Numbers(
@@ -134,7 +135,7 @@ def numbers_of(setup: Setup, problem: Problem, state: State, proximal: Held) -> 
         largest_gap=largest,
         scales=(scales.energy, force, ONSET * _thinnest(setup, problem)),
         besides=overlap_work + proximal_energy + quadrature_error(problem.terms, state.at),
-        overlap=overlap_work / max(balance.forces.total, force * _NO_FORCE),
+        overlap=overlap_work / max(float(balance.forces.normal.sum()), force * _NO_FORCE),
         utilisation=0.0 if setup.strength is None else setup.strength.utilisation(problem.terms, displacement).largest,
         pulled=float(np.linalg.norm(problem.resultants(pull).sum(0))),
     )

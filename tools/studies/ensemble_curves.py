@@ -13,6 +13,7 @@ to `tools/results/ensemble-curves.md`; `--show` draws what is in the table, and 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import takewhile
 from time import process_time
 
 import click
@@ -36,6 +37,8 @@ COLUMNS = (
 #: Pressures in the cells, and moduli c1 of what fills them with a bulk modulus a thousand times that [stress].
 VALUES = {"pressure": (0.0, 0.00125, 0.0025, 0.005, 0.01), "inclusion": (0.0, 0.01, 0.02, 0.05, 0.1)}
 REACHED = "reached the last level"
+#: Plate displacement at the last level [length].
+FARTHEST = 1.0
 #: Marks of onset, and their words.
 MARKS = {"mean_gap": (0.005, "mean gap"), "parted_share": (0.5, "parted wall pairs, share")}
 Array = NDArray[np.float64]
@@ -96,30 +99,27 @@ def onset(rows: Sequence[dict[str, str]], name: str) -> tuple[float, float]:
 
 
 def runs_of(figure: str, value: float) -> list[list[dict[str, str]]]:
-    """Return the rows of each certified run of a curve."""
+    """Return the rows of each run of a curve, up to the level before the first that is not certified."""
     mine = [row for row in tables.read(TABLE) if row["figure"] == figure and float(row["value"]) == value]
-    found = [[row for row in mine if row["seed"] == seed] for seed in sorted({row["seed"] for row in mine})]
-    return [rows for rows in found if all(row["certified"] == "True" for row in rows) and rows[0]["outcome"] == REACHED]
-
-
-def refused(figure: str, value: float) -> int:
-    """Return how many runs of a curve were not certified, or ended early."""
-    mine = [row for row in tables.read(TABLE) if row["figure"] == figure and float(row["value"]) == value]
-    return len({row["seed"] for row in mine}) - len(runs_of(figure, value))
+    found = []
+    for seed in sorted({row["seed"] for row in mine}):
+        rows = [row for row in mine if row["seed"] == seed]
+        found.append(list(takewhile(lambda row: row["certified"] == "True", rows)))
+    return [rows for rows in found if rows]
 
 
 def draw(figure: str) -> None:
-    """Draw mean and band, from the smallest to the largest, of certified runs; the legend tells the others."""
+    """Draw mean and band, from the smallest to the largest, up to where all runs are certified; the legend tells it."""
     picture = Figure(figsize=(10, 4), layout="constrained")
     for axes, (name, (mark, words)) in zip(picture.subplots(1, 2), MARKS.items(), strict=True):
         for number, value in enumerate(VALUES[figure]):
             runs = runs_of(figure, value)
             if not runs:
                 continue
-            x, values = curve(runs[0], name)[0], np.array([curve(rows, name)[1] for rows in runs])
-            left_out = refused(figure, value)
+            end = min(map(len, runs))
+            x, values = curve(runs[0][:end], name)[0], np.array([curve(rows[:end], name)[1] for rows in runs])
             label = f"{value:g}" if value else "empty"
-            label += f" ({left_out} not certified, left out)" if left_out else ""
+            label += f" (certified up to {x[-1]:g})" if x[-1] < FARTHEST else ""
             colour = "black" if not value else f"C{number - 1}"
             axes.plot(x, values.mean(0), ".-", color=colour, label=label, linewidth=1.5)
             axes.fill_between(x, values.min(0), values.max(0), color=colour, alpha=0.18, linewidth=0)
@@ -134,8 +134,8 @@ def report() -> str:
     """Return the table of onsets, and in how many members each is later than that of the curve before."""
     lines = [
         "# Onsets over ensembles", "",
-        "`python -m tools.studies ensemble-curves` makes this: mean ± standard deviation over certified members, ±",
-        "largest estimated error of the mesh, where it is estimated. Members: with an onset, of those certified.",
+        "`python -m tools.studies ensemble-curves` makes this: mean ± standard deviation over members, each as far as",
+        "it is certified, ± largest estimated error of the mesh, where it is estimated. Members: with an onset, of all.",
         "Later: in how many members onset is later than with the value before, of those in which both have one.", "",
     ]  # fmt: skip
     rows = []
