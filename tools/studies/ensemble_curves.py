@@ -135,7 +135,7 @@ def report() -> str:
     lines = [
         "# Onsets over ensembles", "",
         "`python -m tools.studies ensemble-curves` makes this: mean ± standard deviation over members, each as far as",
-        "it is certified, ± largest estimated error of the mesh, where it is estimated. Members: with an onset, of all.",
+        "it is certified, ± largest estimated error of the mesh, where estimated. Members: with an onset, of all.",
         "Later: in how many members onset is later than with the value before, of those in which both have one.", "",
     ]  # fmt: skip
     rows = []
