@@ -128,4 +128,5 @@ class Refinement(Generic[Scene]):
         simulation, minimum = one.simulation, one.accepted.minimum
         with simulation.clock.phase("measuring"):
             problem = simulation.problem_of(one.accepted.phase)
-            return numbers_of(simulation.setup, problem, cast(State, minimum.state), minimum.proximal)
+            state = cast(State, minimum.state)
+            return numbers_of(simulation.setup, problem, state, minimum.proximal, minimum.to_fall)

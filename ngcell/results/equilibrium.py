@@ -114,8 +114,11 @@ def balance_of(setup: Setup, problem: Problem, state: State, proximal_force: Arr
     )
 
 
-def numbers_of(setup: Setup, problem: Problem, state: State, proximal: Held) -> Numbers:
-    """Return the numbers of a state, held by a proximal term, that errors are estimated for."""
+def numbers_of(setup: Setup, problem: Problem, state: State, proximal: Held, to_fall: float = 0.0) -> Numbers:
+    """Return the numbers of a state, held by a proximal term, that errors are estimated for.
+
+    By `to_fall` [energy] the energy may fall while bodies that hardly anything holds move on.
+    """
     at, displacement = state.displacement, state.at.displacement
     pull = -proximal.gradient(at, problem.mass)
     balance = balance_of(setup, problem, state, pull)
@@ -134,7 +137,7 @@ def numbers_of(setup: Setup, problem: Problem, state: State, proximal: Held) -> 
         mean_gap=mean,
         largest_gap=largest,
         scales=(scales.energy, force, ONSET * _thinnest(setup, problem)),
-        besides=overlap_work + proximal_energy + quadrature_error(problem.terms, state.at),
+        besides=overlap_work + proximal_energy + quadrature_error(problem.terms, state.at) + to_fall,
         overlap=overlap_work / max(float(balance.forces.normal.sum()), force * _NO_FORCE),
         utilisation=0.0 if setup.strength is None else setup.strength.utilisation(problem.terms, displacement).largest,
         pulled=float(np.linalg.norm(problem.resultants(pull).sum(0))),

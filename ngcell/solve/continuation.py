@@ -131,8 +131,9 @@ class Continuation:
                 minimum = replace(minimum, ending=Ending.NO_DESCENT)
             if minimum.is_found and is_end and options.sufficient:
                 minimum = recentred(minimiser, minimum.state.displacement, minimum.proximal.weight, options)
-                length = minimiser.longest_step
-                return until_conditions_hold(minimiser, minimum, length, options, name=weight), None
+                length, to_fall = minimiser.longest_step, minimum.to_fall
+                minimum = until_conditions_hold(minimiser, minimum, length, options, name=weight)
+                return replace(minimum, to_fall=to_fall), None
             if minimum.is_found and is_end:
                 most = 2 * enough.way - way if enough else None
                 minimum = until_conditions_hold(
@@ -169,7 +170,7 @@ def recentred(minimiser: Minimiser, start: Array, weight: float, options: Contin
     This is the proximal point method (Rockafellar 1976, doi:10.1137/0314056): each minimum is the next centre, so that
     bodies that nothing holds stay, and no proximal force is left in the end. It ends where all falls of the energy that
     are still to come, as many as go on like the last two, are no more than what suffices, and the proximal force is not
-    felt; or where bodies are hardly strained at all.
+    felt; or where bodies are hardly strained at all. What may still fall is told.
     """
     proximal, fallen, scale = ProximalTerm(weight, start), float("inf"), weight / options.recentred
     nothing = options.hardly_strained**2 * minimiser.energy_scale
@@ -184,10 +185,11 @@ def recentred(minimiser: Minimiser, start: Array, weight: float, options: Contin
         ratio = fallen / before if before > 0 else 0.0
         weight = max(proximal.weight / 10, scale * options.last) if ratio > options.idle else proximal.weight
         proximal = ProximalTerm(weight, minimum.state.displacement)
-        is_low = fallen / (1 - min(max(ratio, 0.0), options.idle)) <= sufficient
-        if is_low and not _is_felt(minimiser, minimum, options.felt):
+        to_fall = fallen / (1 - min(max(ratio, 0.0), options.idle))
+        if to_fall <= sufficient and not _is_felt(minimiser, minimum, options.felt):
             break
-    return _minimise(minimiser, proximal.centre, proximal, 0.0, name, options.refined * max(abs(energy), nothing))[0]
+    enough = options.refined * max(abs(energy), nothing)
+    return replace(_minimise(minimiser, proximal.centre, proximal, 0.0, name, enough)[0], to_fall=to_fall)
 
 
 def until_conditions_hold(

@@ -38,6 +38,8 @@ class Minimum:
         Newton decrement ``g K^-1 g`` [energy] of the last step.
     proximal : ProximalTerm
         What held floating bodies.
+    to_fall : float
+        By how much the energy may still fall while bodies that hardly anything holds move on [energy].
     lowest_curvature : float, optional
         Lowest eigenvalue of the tangent, closed contacts held closed, as a multiple of the scale of the continuation;
         None where it is not known. Where the tangent is negative but the energy does not fall, as at a kink, that of
@@ -48,6 +50,7 @@ class Minimum:
     ending: Ending
     decrement: float
     proximal: ProximalTerm
+    to_fall: float = 0.0
     lowest_curvature: float | None = None
 
     @property

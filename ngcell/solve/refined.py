@@ -71,7 +71,7 @@ def settled(
         start, before = minimum.state.displacement, minimiser
     last = minimisers[-1]
     assert minimum is not None
-    return until_conditions_hold(last, minimum, length, options.continuation)
+    return replace(until_conditions_hold(last, minimum, length, options.continuation), to_fall=minimum.to_fall)
 
 
 def stable(

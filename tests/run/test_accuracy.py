@@ -76,6 +76,18 @@ def test_the_weight_with_which_it_does_changes_nothing_that_was_asked_for(weight
     assert other.record.mean_gap == pytest.approx(usual.record.mean_gap, rel=5e-3)
 
 
+@pytest.mark.parametrize(("weight", "centres"), [(1.0, 4), (0.1, 2)])
+def test_what_the_energy_may_still_fall_counts_in_its_error(weight: float, centres: int):
+    """Too few centres for a large weight: bodies have not come to rest."""
+    continuation = ContinuationOptions(recentred=weight, most_recentred=centres)
+    case = ngcell.read_case("shear-empty-3x3", SMALL)
+    *_, hasty = ngcell.simulate(case, options=Options(solver=SolverOptions(continuation=continuation)))
+    *_, usual = steps()
+    assert hasty.record.energy_error > hasty.record.energy - usual.record.energy > 0
+    assert hasty.record.energy_error > 2 * usual.record.energy_error
+    assert "estimated_error" in failures(hasty)
+
+
 def test_a_low_accuracy_takes_a_coarser_mesh():
     rough, usual = steps("accuracy=0.1")[-1], steps()[-1]
     assert rough.record.certified
