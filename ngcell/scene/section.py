@@ -111,6 +111,9 @@ def _complaint(section: type[BaseModel], detail: ErrorDetails) -> str:
         words = words.removeprefix(begin)
     if not detail["loc"]:
         return f"{section.__name__}: {words}"
+    if detail["type"] == "limit" and not words.startswith("allowed: "):  # of several keys: it says what is wrong
+        inner = (*detail["loc"], *detail.get("ctx", {}).get("place", ()))
+        return f"{section.__name__}: {'.'.join(map(str, inner))}: {words}"
     words = words.rpartition("allowed: ")[2]
     value = repr(detail["input"])
     value = value if len(value) <= _LONGEST_VALUE else value[:_LONGEST_VALUE] + "..."

@@ -113,7 +113,7 @@ def test_an_indenter_that_misses_or_goes_through_is_refused(entries, says):
 
 
 def test_only_single_steps_follow_an_indenter(tmp_path):
-    with pytest.raises(ValueError, match="is sddp, which cannot follow this load; allowed: single-step"):
+    with pytest.raises(CaseError, match="is sddp, which cannot follow this load; allowed: single-step"):
         case(SHAPES["flat"], strategy={"kind": "sddp"})
     file = tmp_path / "flat.toml"
     text = 'tissue = { rows = 1, cols = 1, wall = 0.1 }\nmaterial = { kind = "mooney-rivlin", c1 = 1.0, c2 = 1.0'
@@ -129,7 +129,7 @@ def test_a_script_makes_the_load_of_a_case_file():
 
 
 def test_prisms_are_refused():
-    with pytest.raises(ValueError, match="is for planar cells; allowed: a tissue without height"):
+    with pytest.raises(CaseError, match="is for planar cells; allowed: a tissue without height"):
         case(SHAPES["flat"], tissue={**BRICKS, "height": 1.0})
 
 

@@ -81,11 +81,11 @@ def test_what_the_energy_may_still_fall_counts_in_its_error(weight: float, centr
     """Too few centres for a large weight: bodies have not come to rest."""
     continuation = ContinuationOptions(recentred=weight, most_recentred=centres)
     case = ngcell.read_case("shear-empty-3x3", SMALL)
-    *_, hasty = ngcell.simulate(case, options=Options(solver=SolverOptions(continuation=continuation)))
+    *_, rushed = ngcell.simulate(case, options=Options(solver=SolverOptions(continuation=continuation)))
     *_, usual = steps()
-    assert hasty.record.energy_error > hasty.record.energy - usual.record.energy > 0
-    assert hasty.record.energy_error > 2 * usual.record.energy_error
-    assert "estimated_error" in failures(hasty)
+    assert rushed.record.energy_error > rushed.record.energy - usual.record.energy > 0
+    assert rushed.record.energy_error > 2 * usual.record.energy_error
+    assert "estimated_error" in failures(rushed)
 
 
 def test_a_low_accuracy_takes_a_coarser_mesh():

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ngcell import Case, simulate
+from ngcell import Case, CaseError, simulate
 from ngcell.build.discretisation import discretise
 from ngcell.geometry.bodies import LEFT_SIDE, LOWER_PLATE, RIGHT_SIDE
 from tools.references.radial import RadialSolid
@@ -93,7 +93,7 @@ def test_confined_walls_keep_their_place_along_x_and_slide():
 
 
 def test_a_plate_does_not_move_through_the_side_walls():
-    with pytest.raises(ValueError, match=r"through the side walls; allowed: 0 along x, or free sides"):
+    with pytest.raises(CaseError, match=r"through the side walls; allowed: 0 along x, or free sides"):
         case({"kind": "plates", "displacement": [0.1, 0.0], "sides": "confined"})
 
 
