@@ -37,8 +37,6 @@ COLUMNS = (
 #: Pressures in the cells, and moduli c1 of what fills them with a bulk modulus a thousand times that [stress].
 VALUES = {"pressure": (0.0, 0.00125, 0.0025, 0.005, 0.01), "inclusion": (0.0, 0.01, 0.02, 0.05, 0.1)}
 REACHED = "reached the last level"
-#: Plate displacement at the last level [length].
-FARTHEST = 1.0
 #: Marks of onset, and their words.
 MARKS = {"mean_gap": (0.005, "mean gap"), "parted_share": (0.5, "parted wall pairs, share")}
 Array = NDArray[np.float64]
@@ -111,6 +109,7 @@ def runs_of(figure: str, value: float) -> list[list[dict[str, str]]]:
 def draw(figure: str) -> None:
     """Draw mean and band, from the smallest to the largest, up to where all runs are certified; the legend tells it."""
     picture = Figure(figsize=(10, 4), layout="constrained")
+    farthest = max(float(row["displacement"]) for row in tables.read(TABLE) if row["figure"] == figure)
     for axes, (name, (mark, words)) in zip(picture.subplots(1, 2), MARKS.items(), strict=True):
         for number, value in enumerate(VALUES[figure]):
             runs = runs_of(figure, value)
@@ -119,7 +118,7 @@ def draw(figure: str) -> None:
             end = min(map(len, runs))
             x, values = curve(runs[0][:end], name)[0], np.array([curve(rows[:end], name)[1] for rows in runs])
             label = f"{value:g}" if value else "empty"
-            label += f" (certified up to {x[-1]:g})" if x[-1] < FARTHEST else ""
+            label += f" (certified up to {x[-1]:g})" if x[-1] < farthest else ""
             colour = "black" if not value else f"C{number - 1}"
             axes.plot(x, values.mean(0), ".-", color=colour, label=label, linewidth=1.5)
             axes.fill_between(x, values.min(0), values.max(0), color=colour, alpha=0.18, linewidth=0)
