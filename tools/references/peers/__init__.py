@@ -1,67 +1,65 @@
-"""Blocks and rings by other programs that are installed, beside this package: errors and seconds.
+"""Blocks, rings and seven cells by other programs that are installed, beside this package: errors and seconds.
 
-    python -m tools.references peers            all programs that are here, into tools/results
+    python -m tools.references peers                              all problems by all programs that are here
+    python -m tools.references peers --problem cells --count 2    one of them, by elements two of which are across
 
-CalculiX has quadratic hexahedra (linear ones at order 1) and a penalty 30 times as stiff as a layer of elements, GetFEM
-quadratic or linear quadrilaterals and an augmented Lagrangian, this package triangles and penalties 100 times as stiff.
-Sizes of elements are the same. Errors are those of the force that blocks, or the outer ring, bear, by the volumetric
-energy of each program. Seconds are those on the clock of one run on one thread, without the start of this package, with
-that of the others. What is not installed is named, and left out.
+Rows of `tools/results/peers.csv` that are not run again stay. What is not installed is named, and left out; a run that
+fails, or is stopped after two minutes, has a row that says so. The reference of the cells takes five minutes; it is
+computed where the table has none, or with --reference.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from functools import partial
-from itertools import product
+from collections.abc import Iterable
 
 import click
 
 from tools import tables
 from tools.commands import described
 from tools.places import RESULTS
-from tools.references.peers import calculix, here, with_getfem
-from tools.references.peers.problems import KAPPA, exact_force
+from tools.references.peers.rows import COLUMNS, PROBLEMS, REFERENCE, Row, judged, merged, missing, references, runs
 
-COLUMNS = ("problem", "program", "order", "elements across", "error", "seconds", "unknowns")
-#: Elements across the first body, and orders.
-COUNTS, ORDERS = (2, 4, 8), (1, 2)
-Solve = Callable[[str, int, int], tuple[float, float, int]]
+#: Elements across the first body.
+COUNTS = {"blocks": (2, 4, 8), "rings": (2, 4, 8), "cells": (1, 2, 4)}
+TABLE = RESULTS / "peers.csv"
 
+#: What the table needs to be read.
+ABOUT = """\
+`python -m tools.references peers`. Sizes of elements are the same in all programs. CalculiX has one layer of hexahedra,
+quadratic (C3D20R) or linear (C3D8), and a penalty 30 times as stiff as a layer of elements, from surface to surface;
+GetFEM quadrilaterals and an augmented Lagrangian by ray tracing, whose parameter is kappa + 4/3 mu; this package
+triangles, penalties 100 times as stiff, and the mortar method. Seconds are those on the clock of one run on one thread,
+on a machine that was busy with other work, without the start of this package, with that of the others.
 
-def programs() -> Iterator[tuple[str, Solve, bool, tuple[int, ...]]]:
-    """Yield each program that is here, how it solves, whether its law is in ln J, and its orders."""
-    for name, peer in (("CalculiX", calculix), ("GetFEM", with_getfem)):
-        if not peer.missing():
-            yield name, peer.force, False, ORDERS
-    for method in here.METHODS:
-        yield f"ngcell {method}", partial(here.force, method), True, (*ORDERS, 3)
-
-
-def missing() -> list[str]:
-    """Return what is not installed here, in words."""
-    return [line for line in (calculix.missing(), with_getfem.missing()) if line]
+Errors of blocks and rings are those of the force, against what is exact for the volumetric energy of each program.
+"""
 
 
 @described(__doc__)
-@click.option("--count", "counts", type=int, multiple=True, default=COUNTS, help="Elements across the first body.")
-def command(counts: tuple[int, ...]) -> None:
-    """Solve all problems by all programs and write the tables."""
+@click.option("--problem", "names", type=click.Choice(PROBLEMS), multiple=True, default=PROBLEMS, help="What to solve.")
+@click.option("--count", "counts", type=int, multiple=True, help="Elements across the first body.")
+@click.option("--reference", "again", is_flag=True, help="Compute the reference of the cells again.")
+def command(names: tuple[str, ...], counts: tuple[int, ...], again: bool) -> None:
+    """Solve problems by all programs and write the tables."""
     for line in missing():
         click.echo(f"{line}; its lines are left out", err=True)
-    rows = []
-    for problem, (program, solve, in_logarithm, orders) in product(KAPPA, programs()):
-        for order, count in product(orders, counts):
-            rows.append(dict(zip(COLUMNS, (problem, program, order, count), strict=False)))
-            try:
-                force, seconds, unknowns = solve(problem, count, order)
-            except RuntimeError as error:
-                rows[-1]["error"] = str(error)
-            else:
-                wrong = abs(force / exact_force(problem, in_logarithm=in_logarithm) - 1)
-                rows[-1] |= {"error": f"{wrong:.1e}", "seconds": f"{seconds:.2f}", "unknowns": unknowns}
-            click.echo(", ".join(map(str, rows[-1].values())), err=True)
-    tables.write(RESULTS / "peers.csv", COLUMNS, rows)
-    text = f"# Blocks and rings by other programs\n\n{(__doc__ or '').splitlines()[0]}\n\n"
-    text += tables.markdown(COLUMNS, ([row.get(name, "") for name in COLUMNS] for row in rows))
-    (RESULTS / "peers.md").write_text(text + "\n", encoding="utf-8")
+    if "cells" in names and (again or REFERENCE not in {row["program"] for row in tables.read(TABLE)}):
+        _keep(references())
+    for name in names:
+        _keep(runs(name, counts or COUNTS[name]))
+
+
+def _keep(rows: Iterable[Row]) -> None:
+    """Write each row into the tables as soon as it is there."""
+    for row in rows:
+        table = judged(merged(tables.read(TABLE), [row]))
+        tables.write(TABLE, COLUMNS, table)
+        lines = [[_short(found[column]) for column in COLUMNS] for found in table]
+        text = f"# Blocks, rings and seven cells by other programs\n\n{ABOUT}\n{tables.markdown(COLUMNS, lines)}\n"
+        TABLE.with_suffix(".md").write_text(text, encoding="utf-8")
+        click.echo(", ".join(row[column] for column in COLUMNS), err=True)
+
+
+def _short(entry: str) -> str:
+    """Return an entry with six digits, if it is a number that has more."""
+    return f"{float(entry):.6g}" if len(entry) > 8 and entry.replace(".", "").replace("e-", "").isdigit() else entry

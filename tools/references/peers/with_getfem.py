@@ -1,4 +1,4 @@
-"""GetFEM on blocks and rings, if some Python here has its module: with an augmented Lagrangian, by ray tracing."""
+"""GetFEM, if some Python here has its module: with an augmented Lagrangian, by ray tracing."""
 
 from __future__ import annotations
 
@@ -6,11 +6,14 @@ import json
 import os
 import subprocess
 import tempfile
+from dataclasses import asdict
 from functools import cache
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
-from tools.references.peers.problems import C1, C2, KAPPA, PRESSED, grids
+from tools.references.peers.answer import LIMIT, STOPPED, Answer
+from tools.references.peers.problems import C1, C2, Problem
 
 #: Pythons that may have it: the system's, for which Debian has it as python3-getfem.
 PYTHONS = ("/usr/bin/python3", "python3")
@@ -33,28 +36,45 @@ def missing() -> str:
     return "" if _python() else "GetFEM: no Python with the module `getfem` (Debian: python3-getfem)"
 
 
-def force(problem: str, count: int, order: int) -> tuple[float, float, int]:
-    """Return the force that `exact_force` tells, seconds on the clock, and the number of unknowns.
+def solve(problem: Problem, order: int) -> Answer:
+    """Solve a problem.
 
     Raises
     ------
     RuntimeError
         If GetFEM ends without a result.
     """
-    kappa = KAPPA[problem]
-    given = {"problem": problem, "order": order, "c1": C1, "c2": C2, "kappa": kappa, "modulus": kappa + 4 / 3}
-    given |= {"pressed": PRESSED, "grids": [grid.places.tolist() for grid in grids(problem, count)]}
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, "peer.json")
-        file.write_text(json.dumps(given))
+        file.write_text(json.dumps(told(problem, order)))
         # That Python knows nothing of this package: it starts where the module stands.
         call = f"from getfem_run import main; main({str(file)!r})"
-        command, alone = ["timeout", "120", _python(), "-c", call], {**os.environ, "OMP_NUM_THREADS": "1"}
+        command, alone = ["timeout", str(LIMIT), _python(), "-c", call], {**os.environ, "OMP_NUM_THREADS": "1"}
         here, started = Path(__file__).parent, perf_counter()
         ended = subprocess.run(command, capture_output=True, text=True, check=False, env=alone, cwd=here)
         seconds = perf_counter() - started
-    told = [line.removeprefix("ANSWER ") for line in ended.stdout.splitlines() if line.startswith("ANSWER ")]
-    answer = json.loads(told[-1]) if told else {"error": "no result"}
-    if "error" in answer:
-        raise RuntimeError(answer["error"])
-    return float(answer["force"]), seconds, int(answer["unknowns"])
+    lines = [line.removeprefix("ANSWER ") for line in ended.stdout.splitlines() if line.startswith("ANSWER ")]
+    answer: dict[str, Any] = json.loads(lines[-1]) if lines else {}
+    if "force" not in answer:
+        raise RuntimeError(answer.get("error", STOPPED if ended.returncode == 124 else "no result"))
+    return Answer(answer["force"], answer["opening"], seconds, answer["unknowns"])
+
+
+def told(problem: Problem, order: int) -> dict[str, Any]:
+    """Return what the module there is told."""
+    bodies = {}
+    for name, grid in problem.bodies.items():
+        sides = {side: nodes.tolist() for side, nodes in grid.sides.items()}
+        bodies[name] = {"places": grid.places.tolist(), "elements": grid.elements.tolist(), "sides": sides}
+        bodies[name]["start"] = problem.start[name].tolist() if name in problem.start else []
+    return {
+        "order": order,
+        "law": [C1 / 2, C2 / 2, problem.kappa / 2],
+        "modulus": problem.kappa + 4 / 3,
+        "bodies": bodies,
+        "pairs": [asdict(pair) for pair in problem.pairs],
+        "supports": [asdict(support) for support in problem.supports],
+        "steps": problem.steps,
+        "opening": None if problem.opening is None else asdict(problem.opening),
+        "normal": problem.normal.tolist(),
+    }
