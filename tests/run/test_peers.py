@@ -31,6 +31,15 @@ def test_this_package_solves_the_same(method, name, error):
     assert found.force == pytest.approx(exact_force(name, in_logarithm=True), rel=error)
 
 
+@pytest.mark.parametrize("peer", [calculix, with_getfem])
+def test_peers_find_the_seven_cells_of_this_package(peer):
+    if peer.missing():
+        pytest.skip(peer.missing())
+    cells = problem("cells", 1)
+    found, here_found = peer.solve(cells, 2), here.solve("penalty", cells, 3)
+    assert (found.force, found.opening) == pytest.approx((here_found.force, here_found.opening), rel=0.1)
+
+
 def test_every_two_neighbours_among_seven_cells_are_one_pair_of_walls_that_face_each_other():
     cells = problem("cells", 1)
     assert len({frozenset((pair.first[0], pair.second[0])) for pair in cells.pairs}) == len(cells.pairs) == 12
@@ -61,6 +70,17 @@ def test_the_deck_of_seven_cells_has_its_pairs_and_supports():
 def test_no_number_of_a_deck_is_longer_than_what_calculix_reads():
     deck, _ = calculix.deck(problem("cells", 2), 2)
     assert max(len(word.strip()) for line in deck.splitlines() if line[0] != "*" for word in line.split(",")) <= 20
+
+
+def test_errors_of_cells_are_told_against_the_reference():
+    right = {"problem": "cells", "program": rows.REFERENCE, "force": "2", "opening": "0.5", "error": ""}
+    failed = right | {"program": "GetFEM", "force": "", "opening": "", "error": "no convergence"}
+    found = rows.judged([right, right | {"program": "CalculiX", "force": "3"}, failed])
+    assert [(row["error"], row["opening error"]) for row in found] == [
+        ("", ""),
+        ("5.0e-01", "0.0e+00"),
+        ("no convergence", ""),
+    ]
 
 
 def test_rows_of_runs_that_are_not_repeated_stay():

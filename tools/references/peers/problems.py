@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -182,6 +183,7 @@ def _cells(count: int) -> Problem:
     return Problem(bodies, tuple(pairs), tuple(supports), KAPPA["cells"], 5, opening, singular=singular)
 
 
+@cache
 def exact_force(name: str, *, in_logarithm: bool) -> float:
     """Return the force of blocks or rings [stress * length].
 

@@ -26,11 +26,11 @@ COLUMNS = (
 #: Columns that say which run a row is of.
 KEY = COLUMNS[:4]
 PROBLEMS, ORDERS = ("blocks", "rings", "cells"), (1, 2)
-#: What is taken for right about the cells, and two runs that say how well it is known: contact method, elements across,
+#: What is taken for right about the cells, and a run that says how well it is known: contact method, elements across,
 #: order, and how often elements are halved where stresses are singular.
-REFERENCE, COARSER, OTHERWISE = "reference", "reference, coarser", "reference, by penalty"
-REFERENCES = {COARSER: ("mortar", 2, 4, 1), OTHERWISE: ("penalty", 2, 4, 2), REFERENCE: ("mortar", 2, 4, 2)}
-#: What takes the time that it takes.
+REFERENCE, OTHERWISE = "reference", "reference, by penalty, finer"
+REFERENCES = {REFERENCE: ("mortar", 2, 4, 1), OTHERWISE: ("penalty", 2, 4, 2)}
+#: Seconds after which these are stopped.
 PATIENCE = 900
 Solve = Callable[[Problem, int], Answer]
 Row = dict[str, Any]
@@ -85,7 +85,7 @@ def judged(rows: Iterable[Row]) -> list[Row]:
         force, opening = _numbers(row)
         if force is not None and row["problem"] != "cells":
             right[row["problem"]] = exact_force(row["problem"], in_logarithm=row["program"].startswith("ngcell")), None
-        exact, parted = right[row["problem"]]
+        exact, parted = (None, None) if row["program"] == REFERENCE else right[row["problem"]]
         errors = {"error": _error(force, exact) or row["error"], "opening error": _error(opening, parted)}
         found.append(row | errors)
     return found
