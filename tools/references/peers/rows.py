@@ -79,16 +79,18 @@ def _row(name: str, program: str, order: int, count: int, solve: Callable[[], An
 def judged(rows: Iterable[Row]) -> list[Row]:
     """Return rows with their errors, relative to what is right."""
     rows = list(rows)
-    right = {"cells": _numbers(next((row for row in rows if row["program"] == REFERENCE), {}))}
-    found = []
-    for row in rows:
-        force, opening = _numbers(row)
-        if force is not None and row["problem"] != "cells":
-            right[row["problem"]] = exact_force(row["problem"], in_logarithm=row["program"].startswith("ngcell")), None
-        exact, parted = (None, None) if row["program"] == REFERENCE else right[row["problem"]]
-        errors = {"error": _error(force, exact) or row["error"], "opening error": _error(opening, parted)}
-        found.append(row | errors)
-    return found
+    reference = next((row for row in rows if row["program"] == REFERENCE), {})
+    return [row | _errors(row, reference) for row in rows]
+
+
+def _errors(row: Row, reference: Row) -> Row:
+    """Return the errors of a row; none of the reference, nor where there is nothing to compare with."""
+    force, opening = _numbers(row)
+    if row["problem"] == "cells":
+        exact, parted = _numbers({} if row["program"] == REFERENCE else reference)
+    else:
+        exact, parted = exact_force(row["problem"], in_logarithm=row["program"].startswith("ngcell")), None
+    return {"error": _error(force, exact) or row["error"], "opening error": _error(opening, parted)}
 
 
 def _numbers(row: Row) -> tuple[float | None, float | None]:
