@@ -1,11 +1,11 @@
-"""Blocks, rings and seven cells by other programs that are installed, beside this package: errors and seconds.
+"""Blocks, rings and seven cells by other programs, if installed, beside this package: errors, seconds.
 
     python -m tools.references peers                              all problems by all programs that are here
     python -m tools.references peers --problem cells --count 2    one of them, by elements two of which are across
 
 Rows of `tools/results/peers.csv` that are not run again stay. What is not installed is named, and left out; a run that
-fails, or is stopped after two minutes, has a row that says so. The reference of the cells takes five minutes; it is
-computed where the table has none, or with --reference.
+fails, or is stopped after two minutes, has a row that says so. The reference of the cells takes three minutes; it
+is computed where the table has none, or with --reference.
 """
 
 from __future__ import annotations

@@ -90,7 +90,8 @@ def _errors(row: Row, reference: Row) -> Row:
         exact, parted = _numbers({} if row["program"] == REFERENCE else reference)
     else:
         exact, parted = exact_force(row["problem"], in_logarithm=row["program"].startswith("ngcell")), None
-    return {"error": _error(force, exact) or row["error"], "opening error": _error(opening, parted)}
+    error = row["error"] if force is None else _error(force, exact)
+    return {"error": error, "opening error": _error(opening, parted)}
 
 
 def _numbers(row: Row) -> tuple[float | None, float | None]:
