@@ -188,7 +188,7 @@ def inspect(case: AnyCase | BodyScene, *, options: Options | None = None) -> dic
     gap = facing.gaps(walls, walls.rest)
     finer = simulation.refinement.expected()
     minimiser = finer.released.minimisers[-1]
-    entries, solver = entry_count(finer.problem, minimiser), solver_name(minimiser)
+    entries, solver = entry_count(finer.problem), solver_name(minimiser)
     return {
         **_tissue(case),
         "bodies": simulation.bodies.body_count,

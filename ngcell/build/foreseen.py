@@ -29,7 +29,7 @@ from ngcell.scene import BodyScene, Case
 #: Elements of unit size in a unit of area or volume, equilateral triangles or tetrahedra.
 _IN_A_UNIT = {2: 4 / sqrt(3), 3: 6 * sqrt(2)}
 #: Entries of the matrix for each element, over those of a quadrilateral or a hexahedron; measured, and rounded down.
-_SIMPLEX_SHARE = {2: 0.2, 3: 0.09}
+_SIMPLEX_SHARE = {2: 0.17, 3: 0.045}
 #: Default size of elements as a share of the body's thickness.
 _SHARE = 0.5
 #: Magnitude of numbers whose powers, as they occur in energies, are far from the limits of floating-point numbers.

@@ -13,7 +13,6 @@ class Effort:
     factorisations: int = 0
     evaluations: int = 0
     refusals: int = 0
-    patterns: int = 0
     cutbacks: int = 0
 
     def __sub__(self, other: Effort) -> Effort:

@@ -21,6 +21,8 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ngcell.solve.linear import Factor, SymmetricMatrix
+from ngcell.solve.one_sided import OneSidedModel
+from ngcell.solve.stiffness import Stiffness, lower_entries
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -34,7 +36,6 @@ RESIDUAL, MOST_ITERATIONS = 1e-4, 2000
 LAYERS = 2
 #: Penalty terms whose products are held in memory at once.
 TERMS_AT_ONCE = 1000
-_NO_TERMS = sparse.csr_array((0, 0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +44,7 @@ class Penalised:
 
     Attributes
     ----------
-    values : array of float
+    stiffness : Stiffness
         The matrix without penalty terms.
     blocks : array of float
         The matrix with what penalty terms add within bodies.
@@ -51,7 +52,7 @@ class Penalised:
         The penalty terms.
     """
 
-    values: Array
+    stiffness: Stiffness
     blocks: Array
     jacobian: sparse.csr_array
     penalty: Array
@@ -60,8 +61,7 @@ class Penalised:
 class IterativeMatrix:
     """A symmetric matrix whose systems are solved body by body, and by conjugate gradients between them.
 
-    It does all that a `SymmetricMatrix` does, but couplings between bodies need no room in the pattern: their values
-    follow those of the pattern.
+    Couplings between bodies need no room in the pattern.
 
     Parameters
     ----------
@@ -78,7 +78,6 @@ class IterativeMatrix:
     def __init__(self, size: int, free: NDArray[np.bool_], rows: Index, columns: Index, part: Index) -> None:
         self._whole = SymmetricMatrix(size, free, rows, columns)
         self._free, self._part = free, part
-        self._beyond: tuple[Index, Index] = (np.zeros(0, dtype=np.int64),) * 2
         self._subdomains = _subdomains(self._whole.lower_pattern, free, part)
         self._penalised: Penalised | None = None
         self.iterations = 0
@@ -97,54 +96,48 @@ class IterativeMatrix:
         """Return the positions of entries of the pattern in the array of values."""
         return self._whole.locate(rows, columns)
 
-    def has_room(self, rows: Index, columns: Index) -> bool:
-        """Tell that nothing needs room."""
-        return True
+    def forget(self) -> None:
+        """Do nothing: what is factorised lasts."""
 
-    def add(self, values: Array, matrix: sparse.sparray) -> Array:
-        """Return `values` plus the lower triangle of a symmetric sparse matrix; entries without room come last."""
-        row, column, data = _lower(matrix)
-        position, is_there = self._whole.find(row, column)
-        assert is_there[row == column].all()  # the rest, off the diagonal, counts for both triangles
-        summed = values[: self.entry_count] + np.bincount(position[is_there], data[is_there], self.entry_count)
-        self._beyond = row[~is_there], column[~is_there]
-        return np.concatenate([summed, data[~is_there]])
-
-    def add_penalty_terms(self, values: Array, jacobian: sparse.csr_array, penalty: Array) -> Penalised:
-        """Return the matrix plus ``jacobian.T @ diag(penalty term) @ jacobian``."""
-        blocks = values[: self.entry_count].copy()
+    def factorise(self, stiffness: Stiffness, jacobian: sparse.csr_array, penalty: Array) -> None:
+        """Factorise all bodies, with their side of the penalty terms."""
+        blocks = stiffness.values.copy()
+        if stiffness.moving is not None:
+            row, column, data = lower_entries(stiffness.moving)
+            position, is_there = self._whole.find(row, column)
+            np.add.at(blocks, position[is_there], data[is_there])
         for first in range(0, len(penalty), TERMS_AT_ONCE):
             some = slice(first, first + TERMS_AT_ONCE)
-            pulled = jacobian[some].copy()
-            pulled.data *= np.repeat(penalty[some], np.diff(pulled.indptr))
-            row, column, data = _lower(jacobian[some].T @ pulled)
-            mine = self._part[row] == self._part[column]
-            row, column, data = row[mine], column[mine], data[mine]
-            position, is_there = self._whole.find(row, column)
-            blocks[position[is_there]] += data[is_there]
-            # What has no room, as where one penalty term pulls at many faces, counts on the diagonal: blocks stay
-            # definite.
-            row, column, weight = row[~is_there], column[~is_there], np.abs(data[~is_there])
-            for end in (row, column):
-                np.add.at(blocks, self._whole.locate(end, end), weight)
-        return Penalised(values, blocks, jacobian, penalty)
+            self._add_within_bodies(blocks, Stiffness(blocks).with_penalty(jacobian[some], penalty[some]))
+        self._penalised = Penalised(stiffness, blocks, jacobian, penalty)
+        for subdomain in self._subdomains:
+            subdomain.factorise(blocks)
+
+    def _add_within_bodies(self, blocks: Array, product: sparse.csr_array) -> None:
+        """Add the product of penalty terms within bodies.
+
+        What has no room, as where one penalty term pulls at many faces, counts on the diagonal: blocks stay definite.
+        """
+        row, column, data = lower_entries(product)
+        mine = self._part[row] == self._part[column]
+        row, column, data = row[mine], column[mine], data[mine]
+        position, is_there = self._whole.find(row, column)
+        np.add.at(blocks, position[is_there], data[is_there])
+        row, column, weight = row[~is_there], column[~is_there], np.abs(data[~is_there])
+        for end in (row, column):
+            np.add.at(blocks, self._whole.locate(end, end), weight)
 
     @property
     def few(self) -> int:
         """None: a solution is what costs."""
         return 0
 
-    def factorise(self, penalised: Penalised) -> None:
-        """Factorise all bodies."""
-        self._penalised = penalised
-        for subdomain in self._subdomains:
-            subdomain.factorise(penalised.blocks)
+    def multiply(self, stiffness: Stiffness, vector: Array) -> Array:
+        """Return the product of the symmetric matrix and a vector."""
+        return np.asarray(self._whole.multiply(stiffness.values, vector) + stiffness.moved(vector))
 
-    def multiply(self, values: Array | Penalised, vector: Array) -> Array:
-        """Return the product of the symmetric matrix with these values and a vector."""
-        penalised = values if isinstance(values, Penalised) else Penalised(values, values, _NO_TERMS, np.zeros(0))
-        self._whole.load(penalised.values[: self.entry_count])
-        return self._product(penalised, vector)
+    def reduced(self, model: OneSidedModel) -> None:
+        """Return nothing: gradients go with the whole matrix."""
 
     def solve(self, right: Array) -> Array:
         """Return the solution of the system, or a multiple of a direction of negative curvature; 0 in rows not free.
@@ -152,7 +145,6 @@ class IterativeMatrix:
         With the curvature ``c = d K d < 0`` of a direction d, that is ``(right d / c) d``.
         """
         assert self._penalised is not None
-        self._whole.load(self._penalised.values[: self.entry_count])
         right = np.where(self._free, right, 0.0)
         solution, residual = np.zeros_like(right), right
         step, before, first = np.zeros_like(right), 1.0, 0.0
@@ -178,15 +170,8 @@ class IterativeMatrix:
         return solution
 
     def _product(self, penalised: Penalised, vector: Array) -> Array:
-        """Return the product with a matrix that has been loaded."""
-        product, beyond = self._whole.product(vector), penalised.values[self.entry_count :]
-        if len(beyond):
-            row, column = self._beyond
-            product += np.bincount(row, beyond * vector[column], self.size)
-            product += np.bincount(column, beyond * vector[row], self.size)
-        if len(penalised.penalty):
-            product += penalised.jacobian.T @ (penalised.penalty * (penalised.jacobian @ vector))
-        return product
+        product = self.multiply(penalised.stiffness, vector)
+        return np.asarray(product + penalised.jacobian.T @ (penalised.penalty * (penalised.jacobian @ vector)))
 
     def _preconditioned(self, residual: Array) -> tuple[Array, Array | None]:
         """Return the sum of the solutions on all subdomains, and one with negative curvature, if there is any."""
@@ -253,11 +238,3 @@ def _subdomains(pattern: sparse.csr_array, free: NDArray[np.bool_], part: Index)
                 mask |= (ones @ reached + ones.T @ reached) > 0
     rows = (np.flatnonzero(mask & free) for mask in member)
     return [_Subdomain(pattern, mine) for mine in rows if len(mine)]
-
-
-def _lower(matrix: sparse.sparray) -> tuple[Index, Index, Array]:
-    """Return rows, columns and values of the lower triangle."""
-    part = matrix.tocoo()
-    row, column = (index.astype(np.int64) for index in part.coords)
-    lower = row >= column
-    return row[lower], column[lower], part.data[lower]

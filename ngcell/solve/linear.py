@@ -1,8 +1,8 @@
 """A symmetric matrix with a lasting pattern, factorised in place.
 
 NGSolve's `sparsecholesky` reads the lower triangle only and reuses its symbolic factor while the matrix object stays
-the same. Building a matrix from coordinates costs more than several factorisations, so the pattern is made once, with
-room for all contacts that are near, and only values are written afterwards. The factorisation does not pivot and
+the same. Building a matrix from coordinates costs as much as a few factorisations, so only values are written while the
+pattern holds. The factorisation does not pivot and
 does not tell a matrix that is not positive definite: the caller judges directions, not factors.
 """
 
@@ -43,8 +43,9 @@ class SymmetricMatrix:
         self.size = size
         keys = np.sort(rows * size + columns)
         self._keys = keys[np.diff(keys, prepend=-1) > 0]
-        row, column = np.divmod(self._keys, size)
+        row, column = self.entries
         pointer = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=size))])
+        column, pointer = column.astype(np.int32), pointer.astype(np.int32)  # half of the memory of wider ones
         self._lower = sparse.csr_array((np.zeros(len(row)), column, pointer), shape=(size, size))
         self._upper = self._lower.T  # shares the values
         self._diagonal = np.flatnonzero(row == column)
@@ -56,6 +57,12 @@ class SymmetricMatrix:
     def entry_count(self) -> int:
         """Number of entries of the pattern."""
         return len(self._keys)
+
+    @property
+    def entries(self) -> tuple[Index, Index]:
+        """Rows and columns of the pattern, in the order of values."""
+        row, column = np.divmod(self._keys, self.size)
+        return row, column
 
     @property
     def lower_pattern(self) -> sparse.csr_array:
@@ -81,33 +88,11 @@ class SymmetricMatrix:
             raise PatternError
         return position
 
-    def has_room(self, rows: Index, columns: Index) -> bool:
-        """Tell whether all these entries are part of the pattern."""
-        return bool(self.find(rows, columns)[1].all())
-
     def find(self, rows: Index, columns: Index) -> tuple[Index, NDArray[np.bool_]]:
         """Return the positions of entries, and whether they are part of the pattern."""
         wanted = rows * self.size + columns
         position = np.minimum(np.searchsorted(self._keys, wanted), len(self._keys) - 1)
         return position, self._keys[position] == wanted
-
-    def add(self, values: Array, matrix: sparse.sparray) -> Array:
-        """Return `values` plus the lower triangle of a symmetric sparse matrix."""
-        # Column by column the upper triangle comes in the order of the pattern's lower one: found in half of the time.
-        part = matrix.tocsc()
-        row, column = np.repeat(np.arange(self.size), np.diff(part.indptr)), part.indices.astype(np.int64)
-        lower = row >= column
-        summed = values.copy()
-        summed[self.locate(row[lower], column[lower])] += part.data[lower]
-        return summed
-
-    def add_penalty_terms(self, values: Array, jacobian: sparse.csr_array, penalty: Array) -> Array:
-        """Return `values` plus the lower triangle of ``jacobian.T @ diag(penalty term) @ jacobian``."""
-        if not len(penalty):
-            return values
-        weights = np.repeat(penalty, np.diff(jacobian.indptr))
-        forces = sparse.csr_array((weights * jacobian.data, jacobian.indices, jacobian.indptr), shape=jacobian.shape)
-        return self.add(values, jacobian.T @ forces)
 
     def factorise(self, values: Array) -> None:
         """Factorise the matrix with these values."""

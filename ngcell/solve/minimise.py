@@ -65,7 +65,7 @@ class Minimiser:
     @cached_property
     def assembly(self) -> Assembly:
         """The models of the problem, and its matrix."""
-        return Assembly(self.problem, self.longest_step, self.options, self.clock, self.effort)
+        return Assembly(self.problem, self.longest_step, self.options, self.clock)
 
     @cached_property
     def _damper(self) -> Damper:
@@ -110,10 +110,11 @@ class Minimiser:
         line = self.problem.linearise(state)
         model, matrix = self.assembly.model(state, line, ProximalTerm(weight, displacement))
         touching = np.flatnonzero(model.gap <= self.options.touching * self.longest_step)
-        values = matrix.add_penalty_terms(model.stiffness, model.jacobian[touching], model.penalty[touching])
-        matrix.factorise(values)
+        jacobian, penalty = model.jacobian[touching], model.penalty[touching]
+        matrix.factorise(model.stiffness, jacobian, penalty)
         self.effort.factorisations += 1
-        return displacement + jump - matrix.solve(matrix.multiply(values, jump))
+        pulled = matrix.multiply(model.stiffness, jump) + jacobian.T @ (penalty * (jacobian @ jump))
+        return np.asarray(displacement + jump - matrix.solve(pulled))
 
     def foresee(self, displacement: Array, imposed: Array, weight: float) -> Array:
         """Return what `predict` does, with walls that open and close as the linearised gaps of all near ones say.
@@ -138,9 +139,13 @@ class Minimiser:
         proximal = replace(minimum.proximal, weight=minimum.proximal.weight + weight)
         model, matrix = self.assembly.model(minimum.state, line, proximal)
         closed = np.flatnonzero(model.gap < 0)
-        matrix.factorise(matrix.add_penalty_terms(model.stiffness, model.jacobian[closed], model.penalty[closed]))
+        matrix.factorise(model.stiffness, model.jacobian[closed], model.penalty[closed])
         self.effort.factorisations += 1
         return matrix.solve
+
+    def make_matrix(self, displacement: Array) -> None:
+        """Make the matrix of this problem, if there is none yet."""
+        self.assembly.make_system(self._at(displacement))
 
     def adopt_matrix(self, other: Minimiser) -> None:
         """Take over the matrix of a minimiser that has the same unknowns and bodies, if there is none yet."""

@@ -11,50 +11,56 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
 from ngcell.solve.options import InnerOptions
+from ngcell.solve.stiffness import Stiffness
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 
 class Matrix(Protocol):
-    """A symmetric matrix with a lasting pattern, and a solver for it; `add_penalty_terms` makes what `factorise` takes.
-    """
-
-    @property
-    def entry_count(self) -> int:
-        """Number of entries of the pattern."""
-
-    def locate(self, rows: Index, columns: Index) -> Index:
-        """Return the positions of entries in the array of values."""
-
-    def has_room(self, rows: Index, columns: Index) -> bool:
-        """Tell whether all these entries are part of the pattern, or need not be."""
-
-    def add(self, values: Array, matrix: sparse.sparray) -> Array:
-        """Return `values` plus the lower triangle of a symmetric sparse matrix."""
-
-    def add_penalty_terms(self, values: Array, jacobian: sparse.csr_array, penalty: Array) -> Any:
-        """Return `values` plus ``jacobian.T @ diag(penalty term) @ jacobian``."""
-
-    def factorise(self, values: Any) -> None:
-        """Prepare to solve systems with this matrix."""
+    """A symmetric matrix with a lasting pattern, and a solver for it."""
 
     @property
     def few(self) -> int:
         """Number of solutions that take no more operations than a factorisation."""
 
+    def factorise(self, stiffness: Stiffness, jacobian: sparse.csr_array, penalty: Array) -> None:
+        """Prepare to solve systems with this matrix plus ``jacobian.T @ diag(penalty) @ jacobian``."""
+
     def solve(self, right: Array) -> Array:
         """Return the solution; 0 in rows that are not free."""
 
-    def multiply(self, values: Any, vector: Array) -> Array:
-        """Return the product of the symmetric matrix with these values and a vector."""
+    def multiply(self, stiffness: Stiffness, vector: Array) -> Array:
+        """Return the product of the symmetric matrix and a vector."""
+
+    def reduced(self, model: OneSidedModel) -> Reduced | None:
+        """Return a model of fewer unknowns with the same minimum; None where there is none."""
+
+
+class Reduced(Protocol):
+    """A model without the unknowns that no penalty term touches; see `ngcell.solve.condensed.Reduced`."""
+
+    @property
+    def model(self) -> OneSidedModel:
+        """The model of the rest."""
+
+    @property
+    def matrix(self) -> Matrix:
+        """The matrix that solves for it."""
+
+    @property
+    def change(self) -> float:
+        """Change of the whole model as what was left out finds its minimum, the rest at 0."""
+
+    def whole(self, step: Array) -> Array:
+        """Return the step of all unknowns from that of the rest."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,8 +71,8 @@ class OneSidedModel:
     ----------
     gradient : array of float, shape (unknowns,)
         Zero on unknowns that are not free.
-    stiffness : array of float
-        Values of K on the matrix' pattern.
+    stiffness : Stiffness
+        K, on the matrix' pattern.
     gap, jacobian, penalty term : array, csr_array, array
         The penalty terms.
     free : array of bool, shape (unknowns,)
@@ -74,7 +80,7 @@ class OneSidedModel:
     """
 
     gradient: Array
-    stiffness: Array
+    stiffness: Stiffness
     gap: Array
     jacobian: sparse.csr_array
     penalty: Array
@@ -115,6 +121,14 @@ def minimise_one_sided(model: OneSidedModel, matrix: Matrix, options: InnerOptio
 
     The change is not negative if the matrix is not positive definite along the way.
     """
+    reduced = matrix.reduced(model)
+    if reduced is None:
+        return _minimised(model, matrix, options)
+    step, change, rounds = _minimised(reduced.model, reduced.matrix, options)
+    return reduced.whole(step), reduced.change + change, rounds
+
+
+def _minimised(model: OneSidedModel, matrix: Matrix, options: InnerOptions) -> tuple[Array, float, int]:
     step, curved = np.zeros_like(model.gradient), np.zeros_like(model.gradient)
     gap, moved = model.gap, np.zeros_like(model.gap)
     change, quadratics = 0.0, _Quadratics(model, matrix, options.lost)
@@ -165,9 +179,7 @@ class _Quadratics:
 
     def _factorise(self, closed: Index) -> None:
         model = self._model
-        self._matrix.factorise(
-            self._matrix.add_penalty_terms(model.stiffness, model.jacobian[closed], model.penalty[closed])
-        )
+        self._matrix.factorise(model.stiffness, model.jacobian[closed], model.penalty[closed])
         self._acting, self._pulled = closed, {}
         self.factorisations += 1
 

@@ -141,6 +141,8 @@ class Released:
         Soft contact lets bodies that hardly change their volume sink into each other until the nearest wall of a point
         changes from one to the next.
         """
+        self.minimisers[0].make_matrix(start)
+        self.apart.adopt_matrix(self.minimisers[0])
         begin = self.path.begin(self.apart, start, centre)
         if not begin.is_found:
             return begin

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.solve.condensed import CondensedMatrix
 from ngcell.solve.iterative import IterativeMatrix
-from ngcell.solve.linear import SymmetricMatrix
-from ngcell.solve.one_sided import Matrix
 from ngcell.solve.problem import Problem
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+SystemMatrix = CondensedMatrix | IterativeMatrix
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,7 +22,7 @@ class System:
 
     Attributes
     ----------
-    matrix : Matrix
+    matrix : CondensedMatrix or IterativeMatrix
         The matrix.
     bulk, metric : array of int
         Where the entries of the problem's pattern and of its mass matrix stand among the values.
@@ -32,7 +32,7 @@ class System:
         The entries of the mass matrix.
     """
 
-    matrix: Matrix
+    matrix: SystemMatrix
     bulk: Index
     metric: Index
     metric_row: Index
@@ -54,22 +54,26 @@ class System:
         return summed
 
 
-def direct_system(problem: Problem, near: tuple[Index, Index]) -> System:
-    """Return a matrix that is factorised, with room for these entries besides."""
+def direct_system(problem: Problem, touched: Index, near: float) -> System:
+    """Return a matrix that is factorised.
+
+    Penalty terms touch the unknowns `touched`; walls of a smaller gap than `near` [length] are next to closing.
+    """
     bulk, metric, values = _entries(problem)
-    rows, columns = (np.concatenate(part) for part in zip(bulk, metric, near, strict=True))
-    return _located(SymmetricMatrix(len(problem.free), problem.free, rows, columns), bulk, metric, values)
+    rows, columns = (np.concatenate(part) for part in zip(bulk, metric, strict=True))
+    matrix = CondensedMatrix(len(problem.free), problem.free, rows, columns, touched, near)
+    return _located(matrix, bulk, metric, values)
 
 
 def iterative_system(problem: Problem) -> System:
-    """Return a matrix whose systems are solved by iterations, and which needs no room for contacts."""
+    """Return a matrix whose systems are solved by iterations."""
     bulk, metric, values = _entries(problem)
     rows, columns = (np.concatenate(part) for part in zip(bulk, metric, strict=True))
     matrix = IterativeMatrix(len(problem.free), problem.free, rows, columns, problem.part)
     return _located(matrix, bulk, metric, values)
 
 
-def _located(matrix: Matrix, bulk: tuple[Index, Index], metric: tuple[Index, Index], values: Array) -> System:
+def _located(matrix: SystemMatrix, bulk: tuple[Index, Index], metric: tuple[Index, Index], values: Array) -> System:
     return System(matrix, matrix.locate(*bulk), matrix.locate(*metric), *metric, values)
 
 

@@ -9,9 +9,11 @@ from scipy import sparse
 from ngcell.build.options import Options
 from ngcell.build.simulation import Simulation
 from ngcell.solve import system
+from ngcell.solve.condensed import CondensedMatrix
 from ngcell.solve.iterative import RESIDUAL, IterativeMatrix
-from ngcell.solve.linear import SymmetricMatrix
 from ngcell.solve.options import MinimiserOptions, SolverOptions
+from ngcell.solve.proximal import ProximalTerm
+from ngcell.solve.stiffness import Stiffness
 from tests.prisms import case
 
 #: Whatever the number of unknowns, solids are solved by iterations.
@@ -46,13 +48,13 @@ class Bodies:
         solution[self.free] = np.linalg.solve(inside, self.right[self.free])
         return solution
 
-    def solved(self, rows: np.ndarray, columns: np.ndarray) -> tuple[IterativeMatrix, object]:
+    def solved(self, rows: np.ndarray, columns: np.ndarray) -> tuple[IterativeMatrix, Stiffness]:
         matrix = IterativeMatrix(36, self.free, rows, columns, self.part)
         values = np.zeros(matrix.entry_count)
         values[matrix.locate(self.rows, self.columns)] = self.own[self.rows, self.columns]
-        penalised = matrix.add_penalty_terms(matrix.add(values, self.curvature), self.jacobian.tocsr(), self.penalty)
-        matrix.factorise(penalised)
-        return matrix, penalised
+        stiffness = Stiffness(values, self.curvature.tocsr())
+        matrix.factorise(stiffness, self.jacobian.tocsr(), self.penalty)
+        return matrix, stiffness
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -60,8 +62,9 @@ class Bodies:
 def test_solving_gives_the_dense_solution_in_free_rows_and_zero_elsewhere(seed, together):
     bodies = Bodies(seed)
     rows, columns = np.tril_indices(36) if together else (bodies.rows, bodies.columns)
-    matrix, penalised = bodies.solved(rows, columns)
-    np.testing.assert_allclose(matrix.multiply(penalised, bodies.right), bodies.full @ bodies.right, atol=1e-12)
+    matrix, stiffness = bodies.solved(rows, columns)
+    without = bodies.own + bodies.curvature.toarray()
+    np.testing.assert_allclose(matrix.multiply(stiffness, bodies.right), without @ bodies.right, atol=1e-12)
     away = matrix.solve(bodies.right) - bodies.solution
     energy = bodies.solution @ bodies.full @ bodies.solution
     assert away @ bodies.full @ away < 10 * RESIDUAL**2 * energy
@@ -98,7 +101,7 @@ def test_prisms_are_those_of_the_direct_solver(monkeypatch):
     scene = case(0.4, tissue={"rows": 2, "cols": 2, "wall": 0.1, "height": 0.4})
     direct = list(Simulation(scene).accepted_steps())
     made: list[object] = []
-    monkeypatch.setattr(system, "SymmetricMatrix", lambda *_: made.append(None))
+    monkeypatch.setattr(system, "CondensedMatrix", lambda *_: made.append(None))
     iterative = list(Simulation(scene, options=ITERATIVE).accepted_steps())
     assert not made
     for one, two in zip(direct, iterative, strict=True):
@@ -123,5 +126,6 @@ def test_planar_scenes_are_never_solved_by_iterations():
     minimiser = simulation.released.minimisers[0]
     assert not minimiser.is_iterative
     assert Simulation(case(0.4), options=ITERATIVE).released.minimisers[0].is_iterative
-    minimiser.assembly.make_room(minimiser.problem.at(np.zeros(simulation.space.unknowns)))
-    assert isinstance(minimiser.assembly.system.matrix, SymmetricMatrix)
+    state = minimiser.problem.at(np.zeros(simulation.space.unknowns))
+    minimiser.assembly.model(state, minimiser.problem.linearise(state), ProximalTerm(1.0, state.displacement))
+    assert isinstance(minimiser.assembly.system.matrix, CondensedMatrix)

@@ -40,43 +40,8 @@ def test_multiplying_uses_the_whole_symmetric_matrix_free_or_not():
     np.testing.assert_allclose(matrix.multiply(values, vector), full @ vector, atol=1e-11)
 
 
-def test_adding_counts_each_pair_once_and_repeated_entries_and_keeps_its_argument():
-    matrix = SymmetricMatrix(4, np.ones(4, bool), *np.tril_indices(4))
-    before = np.arange(10.0)
-    kept = before.copy()
-    more = sparse.coo_array(([1.0, 2.0, 4.0, 3.0], ([3, 3, 1, 1], [1, 1, 1, 3])), shape=(4, 4))
-    change = matrix.add(before, more) - before
-    np.testing.assert_array_equal(before, kept)
-    expected = np.zeros(10)
-    expected[matrix.locate(np.array([3, 1]), np.array([1, 1]))] = [3.0, 4.0]
-    np.testing.assert_array_equal(change, expected)
-
-
 @pytest.mark.parametrize(("row", "column"), [(0, 1), (2, 1), (3, 0)])
 def test_an_entry_outside_the_pattern_is_an_error(row, column):
     matrix = SymmetricMatrix(4, np.ones(4, bool), np.array([0, 1, 2, 3]), np.array([0, 1, 2, 3]))
     with pytest.raises(PatternError):
         matrix.locate(np.array([row]), np.array([column]))
-    both = sparse.coo_array(([1.0, 1.0], ([row, column], [column, row])), shape=(4, 4))
-    with pytest.raises(PatternError):
-        matrix.add(np.zeros(4), both)
-
-
-def test_penalty_terms_are_added_as_their_product_and_none_change_nothing():
-    random = np.random.default_rng(2)
-    matrix = SymmetricMatrix(6, np.ones(6, bool), *np.tril_indices(6))
-    jacobian, penalty = sparse.csr_array(random.standard_normal((3, 6))), random.uniform(size=3)
-    values, kept = np.arange(21.0), jacobian.copy()
-    full = jacobian.toarray().T @ np.diag(penalty) @ jacobian.toarray()
-    np.testing.assert_allclose(
-        matrix.add_penalty_terms(values, jacobian, penalty) - values, full[np.tril_indices(6)], atol=1e-13
-    )
-    np.testing.assert_array_equal(jacobian.toarray(), kept.toarray())
-    np.testing.assert_array_equal(matrix.add_penalty_terms(values, jacobian[:0], penalty[:0]), values)
-
-
-def test_room_is_told_without_an_error():
-    matrix = SymmetricMatrix(3, np.ones(3, bool), np.array([0, 1, 2, 2]), np.array([0, 1, 2, 0]))
-    assert matrix.has_room(np.array([2, 1]), np.array([0, 1]))
-    assert matrix.has_room(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64))
-    assert not matrix.has_room(np.array([2, 2]), np.array([0, 1]))

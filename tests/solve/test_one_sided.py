@@ -8,14 +8,15 @@ import numpy as np
 import pytest
 from scipy import optimize, sparse
 
-from ngcell.solve.linear import SymmetricMatrix
+from ngcell.solve.growing import GrowingMatrix
 from ngcell.solve.one_sided import OneSidedModel, _Quadratics, _root_of_slope, minimise_one_sided
 from ngcell.solve.options import InnerOptions
+from ngcell.solve.stiffness import Stiffness
 
 
 def random_model(
     seed: int, stiff: float, unknowns: int = 8, penalty_terms: int = 6
-) -> tuple[OneSidedModel, SymmetricMatrix]:
+) -> tuple[OneSidedModel, GrowingMatrix]:
     random = np.random.default_rng(seed)
     root = random.standard_normal((unknowns, unknowns))
     full = root @ root.T + 0.1 * np.eye(unknowns)
@@ -25,15 +26,15 @@ def random_model(
     gradient = np.where(free, random.standard_normal(unknowns), 0.0)
     jacobian = sparse.csr_array(random.standard_normal((penalty_terms, unknowns)))
     gap, penalty = random.uniform(-0.1, 0.3, penalty_terms), stiff * random.uniform(0.5, 2, penalty_terms)
-    model = OneSidedModel(gradient, full[rows, columns], gap, jacobian, penalty, free)
-    return model, SymmetricMatrix(unknowns, free, rows, columns)
+    model = OneSidedModel(gradient, Stiffness(full[rows, columns]), gap, jacobian, penalty, free)
+    return model, GrowingMatrix(unknowns, free, rows, columns)
 
 
 def model_at(model: OneSidedModel, step: np.ndarray) -> float:
     """The model's value, spelled out."""
     size = len(step)
     full = np.zeros((size, size))
-    full[np.tril_indices(size)] = model.stiffness
+    full[np.tril_indices(size)] = model.stiffness.values
     full += np.tril(full, -1).T
     overlap = np.minimum(model.gap + model.jacobian @ step, 0)
     return float(model.gradient @ step + step @ full @ step / 2 + (model.penalty * overlap**2).sum() / 2)
@@ -69,9 +70,9 @@ def test_without_penalty_terms_the_step_is_newtons():
 def test_penalty_terms_that_the_newton_step_would_close_are_foreseen():
     """One unknown pulled by 1 towards a stop at 0.1: Newton without the stop would go to 1."""
     free = np.ones(1, dtype=bool)
-    matrix = SymmetricMatrix(1, free, np.array([0]), np.array([0]))
+    matrix = GrowingMatrix(1, free, np.array([0]), np.array([0]))
     jacobian = sparse.csr_array(np.array([[-1.0]]))
-    model = OneSidedModel(np.array([-1.0]), np.ones(1), np.array([0.1]), jacobian, np.array([99.0]), free)
+    model = OneSidedModel(np.array([-1.0]), Stiffness(np.ones(1)), np.array([0.1]), jacobian, np.array([99.0]), free)
     step, change, _ = minimise_one_sided(model, matrix, InnerOptions())
     assert step[0] == pytest.approx((1 + 9.9) / 100, rel=1e-12)
     assert model.full_gradient[0] == -1.0
@@ -135,11 +136,11 @@ def test_the_root_is_the_first_minimum_along_the_way(seed):
 def test_the_change_of_a_tiny_step_is_not_drowned_by_the_overlap():
     """Near the minimum the sign of the change decides whether a step is taken."""
     free, rest = np.ones(1, dtype=bool), 2.0**-30
-    matrix = SymmetricMatrix(1, free, np.array([0]), np.array([0]))
+    matrix = GrowingMatrix(1, free, np.array([0]), np.array([0]))
     # A penalty term of 1000, closed by 1, in balance with a load of 1000 but for `rest`.
     model = OneSidedModel(
         np.array([1000 - rest]),
-        np.ones(1),
+        Stiffness(np.ones(1)),
         np.array([-1.0]),
         sparse.csr_array(np.array([[1.0]])),
         np.array([1000.0]),
@@ -153,15 +154,15 @@ def test_the_change_of_a_tiny_step_is_not_drowned_by_the_overlap():
 @pytest.mark.parametrize("few", [0, 1, 2, 6])
 def test_minima_with_other_penalty_terms_are_the_same_whether_factorised_or_corrected(few, monkeypatch):
     """Penalty terms close and open in turn; whatever is factorised anew, each minimum is that of its own quadratic."""
-    monkeypatch.setattr(SymmetricMatrix, "few", few)
+    monkeypatch.setattr(GrowingMatrix, "few", few)
     model, matrix = random_model(5, 1e3)
     quadratics = _Quadratics(model, matrix, InnerOptions().lost)
     sets = [[0, 1], [0, 1, 2], [0, 1], [1, 2], [], [3, 4, 5], [0, 3, 4, 5]]
     for closed in (np.array(numbers, dtype=np.int64) for numbers in sets):
         alone = replace(model, gap=model.gap[closed], jacobian=model.jacobian[closed], penalty=model.penalty[closed])
-        penalised = matrix.add_penalty_terms(model.stiffness, alone.jacobian, alone.penalty)
         minimum = quadratics.minimum(closed)
-        force = matrix.multiply(penalised, minimum) + model.gradient + alone.pulled(alone.penalty * alone.gap)
+        pulled = alone.pulled(alone.penalty * (alone.gap + alone.jacobian @ minimum))
+        force = matrix.multiply(model.stiffness, minimum) + model.gradient + pulled
         np.testing.assert_allclose(force[model.free], 0, atol=1e-9)
         assert minimum[-1] == 0
     assert quadratics.factorisations == {0: 7, 1: 4, 2: 2, 6: 1}[few]
@@ -169,11 +170,12 @@ def test_minima_with_other_penalty_terms_are_the_same_whether_factorised_or_corr
 
 def test_a_penalty_term_that_alone_held_a_body_is_not_opened_by_a_correction(monkeypatch):
     """One unknown on a penalty term 1e9 times as stiff as what else holds it: corrected, half the digits would go."""
-    monkeypatch.setattr(SymmetricMatrix, "few", 1)
+    monkeypatch.setattr(GrowingMatrix, "few", 1)
     free, zero = np.ones(1, dtype=bool), np.zeros(1, dtype=np.int64)
-    matrix = SymmetricMatrix(1, free, zero, zero)
+    matrix = GrowingMatrix(1, free, zero, zero)
     jacobian = sparse.csr_array(np.array([[-1.0]]))
-    model = OneSidedModel(np.array([-0.3]), np.array([1 / 3]), np.array([-0.1]), jacobian, np.array([1e9]), free)
+    pull, soft, stiff = np.array([-0.3]), Stiffness(np.array([1 / 3])), np.array([1e9])
+    model = OneSidedModel(pull, soft, np.array([-0.1]), jacobian, stiff, free)
     quadratics = _Quadratics(model, matrix, InnerOptions().lost)
     quadratics.minimum(zero)
     assert quadratics.minimum(zero[:0])[0] == pytest.approx(0.9, rel=1e-14)

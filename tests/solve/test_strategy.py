@@ -202,6 +202,12 @@ class FakeMinimiser:
     def forget_matrix(self) -> None:
         pass
 
+    def make_matrix(self, displacement: np.ndarray) -> None:
+        pass
+
+    def adopt_matrix(self, other: object) -> None:
+        pass
+
     def foresee(self, displacement: np.ndarray, imposed: np.ndarray, weight: float) -> np.ndarray:
         return imposed
 

@@ -99,6 +99,7 @@ class _Path:
             is_there = False
             while not is_there:
                 before = self._released.effort
+                self._minimiser.forget_matrix()  # what follows depends on this place alone, also after a stop
                 way = target - place.load
                 pieces = max(1, int(np.ceil(abs(way) / increment - 1e-9)), self._pieces(place, target))
                 increment = abs(way) / pieces or increment

@@ -1,0 +1,106 @@
+"""Unknowns of a matrix that can be eliminated without fill, found from its pattern.
+
+Unknowns whose neighbours are all coupled with each other, as those within one finite element, leave no new entries
+when they are eliminated (simplicial vertices; Rose, Tarjan and Lueker, SIAM J. Comput. 5, 1976, doi:10.1137/0205021).
+Those with the same neighbours form a clique that is eliminated at once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+Index = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Cliques:
+    """Cliques of the same sizes.
+
+    Attributes
+    ----------
+    inside : array of int, shape (cliques, m)
+        Unknowns that are eliminated.
+    around : array of int, shape (cliques, q)
+        Their neighbours, increasing.
+    among, between : array of int, shapes (cliques, m, m) and (cliques, m, q)
+        Positions of the entries of unknowns inside with each other, and with their neighbours, in the array of values.
+    """
+
+    inside: Index
+    around: Index
+    among: Index
+    between: Index
+
+
+def find_cliques(lower: sparse.csr_array, chosen: Mask) -> list[Cliques]:
+    """Return the cliques of a symmetric matrix that can be eliminated without fill, by their sizes.
+
+    Parameters
+    ----------
+    lower : csr_array, shape (size, size)
+        Lower triangle of the pattern; its data are positions in the array of values.
+    chosen : array of bool, shape (size,)
+        Unknowns that may be eliminated.
+    """
+    pattern = _both_triangles(lower)
+    group, first = _same_neighbours(pattern)
+    fitting = _simplicial(pattern[first][:, first], np.bincount(group, chosen, len(first)) > 0)
+    found, degree = [], np.diff(pattern.indptr)[first[fitting]]
+    for size in np.unique(degree):
+        of_size = fitting[degree == size]
+        members, _ = _rows(pattern, first[of_size], int(size))
+        inside = (group[members] == of_size[:, None]) & chosen[members]
+        for count in np.unique(inside.sum(1)):
+            same = inside.sum(1) == count
+            found.append(_cliques(pattern, members[same], inside[same], int(count)))
+    return found
+
+
+def _cliques(pattern: sparse.csr_array, members: Index, inside: Mask, count: int) -> Cliques:
+    number, size = members.shape
+    mine = members[inside].reshape(number, count)
+    position = _rows(pattern, mine.ravel(), size)[1].reshape(number, count, size)
+    chosen = np.broadcast_to(inside[:, None], position.shape)
+    return Cliques(
+        inside=mine,
+        around=members[~inside].reshape(number, size - count),
+        among=position[chosen].reshape(number, count, count),
+        between=position[~chosen].reshape(number, count, size - count),
+    )
+
+
+def _both_triangles(lower: sparse.csr_array) -> sparse.csr_array:
+    """Return the whole pattern; its data are positions, too."""
+    counted = sparse.csr_array((lower.data + 1, lower.indices, lower.indptr), shape=lower.shape)
+    whole = (counted + sparse.triu(counted.T, 1)).tocsr()
+    whole.sort_indices()
+    whole.data -= 1
+    return whole
+
+
+def _same_neighbours(pattern: sparse.csr_array) -> tuple[Index, Index]:
+    """Return the group of each unknown, the same for those with the same neighbours, and the first one of each."""
+    label = np.random.default_rng(0).integers(2**64, size=pattern.shape[0], dtype=np.uint64)
+    total = np.concatenate([np.zeros(1, dtype=np.uint64), np.cumsum(label[pattern.indices])])
+    _, first, group = np.unique(np.diff(total[pattern.indptr]), return_index=True, return_inverse=True)
+    return group.astype(np.int64), first.astype(np.int64)
+
+
+def _simplicial(pattern: sparse.csr_array, chosen: Mask) -> Index:
+    """Return the chosen unknowns whose neighbours are all coupled with each other."""
+    candidate = np.flatnonzero(chosen)
+    ones = sparse.csr_array((np.ones(pattern.nnz), pattern.indices, pattern.indptr), shape=pattern.shape)
+    mine = ones[candidate]
+    common = (mine @ ones).multiply(mine).sum(axis=1)
+    return np.asarray(candidate[common == np.diff(mine.indptr).astype(float) ** 2])
+
+
+def _rows(pattern: sparse.csr_array, rows: Index, size: int) -> tuple[Index, Index]:
+    """Return columns and positions of rows with so many entries, shape (rows, size)."""
+    place = pattern.indptr[rows].astype(np.int64)[:, None] + np.arange(size)
+    return pattern.indices[place].astype(np.int64), pattern.data[place]
