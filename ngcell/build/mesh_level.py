@@ -54,8 +54,8 @@ class Meshed(Protocol):
     def softer_in_bulk(self, count: int) -> tuple[Minimiser, ...]:
         """Return minimisers of walls of smaller bulk moduli, with the first of the last `count` stages of contact."""
 
-    def problem_of(self, phase: str) -> Problem:
-        """Return the problem that steps of a phase solve."""
+    def problem_of(self, phase: str, *, only_leads: bool = False) -> Problem:
+        """Return the problem that steps of a phase solve; of released walls also the stage that leads to the last."""
 
     def renew_budget(self) -> None:
         """Give the minimisers of this mesh all of their iterations."""
@@ -74,6 +74,8 @@ class Refined(Generic[Scene]):
         Number of the mesh, 0 for that of the load path.
     simulation : Simulation
         The scene on this mesh.
+    problem : Problem
+        What it solves.
     accepted : Accepted
         The step, with the effort of all meshes.
     errors : Errors
@@ -81,13 +83,17 @@ class Refined(Generic[Scene]):
     is_judged : bool
         Whether they are held to what is asked for: not where none can be estimated, nor of tied states, which walls are
         released from.
+    only_leads : bool
+        Whether its contact only leads to the one that is meant.
     """
 
     level: int
     simulation: Scene
+    problem: Problem
     accepted: Accepted
     errors: Errors
     is_judged: bool
+    only_leads: bool = False
 
 
 class Level(Generic[Scene]):
@@ -116,17 +122,25 @@ class Level(Generic[Scene]):
         self._closing[-1].problem.reset()
         return self._closing[:-1], self._closing[-1:]
 
-    def settled(self, coarse: Refined[Scene]) -> Refined[Scene] | None:
-        """Return a step on this mesh that was found on the one before; None where it finds no equilibrium."""
+    @property
+    def has_multipliers(self) -> bool:
+        """Whether contact pressures are unknowns, to which a penalty leads."""
+        terms = self.simulation.problem_of("released").terms
+        return any(isinstance(term, ContactTerm) and term.has_multipliers for term in terms)
+
+    def settled(self, coarse: Refined[Scene], *, only_leads: bool = False) -> Refined[Scene] | None:
+        """Return a step on this mesh that was found on the one before; None where it finds no equilibrium.
+
+        If it `only_leads` to what is reported, released walls are in the contact of the stage before the last.
+        """
         mine, accepted = self.simulation, coarse.accepted
         load, is_tied = accepted.load_factor, accepted.phase == "tied"
-        before = coarse.simulation.problem_of(accepted.phase)
-        whole = before.expand(accepted.minimum.state.displacement)
+        whole = coarse.problem.expand(accepted.minimum.state.displacement)
         start = mine.motion.imposed(transferred(whole, coarse.simulation.space, mine.space), load)
         path = self._released.path if accepted.minimum.proximal.weight else None
-        for softer, last in [self._tied_at(start, load)] if is_tied else self._attempts():
+        for softer, last in [self._tied_at(start, load)] if is_tied else self._attempts(only_leads):
             effort = spent((*softer, *last))
-            self._prepare(softer, last, before, accepted, start)
+            self._prepare(softer, last, coarse, start, mine.problem_of(accepted.phase, only_leads=only_leads))
             try:
                 length, options = self._released.longest_step, mine.options.solver
                 minimum = settled(last, start, softer=softer, length=length, options=options, path=path)
@@ -135,36 +149,61 @@ class Level(Generic[Scene]):
             accepted = replace(accepted, effort=accepted.effort + (spent((*softer, *last)) - effort))
             if minimum.is_found:
                 accepted = replace(accepted, minimum=minimum)
-                return replace(coarse, level=coarse.level + 1, simulation=mine, accepted=accepted)
+                problem = mine.problem_of(accepted.phase, only_leads=only_leads)
+                step = replace(coarse, level=coarse.level + 1, simulation=mine, problem=problem, accepted=accepted)
+                return replace(step, errors=Errors(), only_leads=only_leads)
             _log.info("mesh %d: %s", coarse.level + 1, minimum.ending.value)
         return None
 
+    def finished(self, led: Refined[Scene]) -> Refined[Scene] | None:
+        """Return a step on this mesh by the contact that is meant, from one that only leads to it; None where it finds
+        no equilibrium."""
+        minimiser, accepted = self._released.minimisers[-1], led.accepted
+        self.simulation.renew_budget()
+        effort, state = spent((minimiser,)), cast(State, accepted.minimum.state)
+        minimiser.forget_matrix()
+        minimiser.problem.apply(accepted.load_factor)
+        minimiser.problem.start_from(led.problem, state)
+        path = self._released.path if accepted.minimum.proximal.weight else None
+        length, options = self._released.longest_step, self.simulation.options.solver
+        try:
+            minimum = settled((minimiser,), state.displacement, length=length, options=options, path=path)
+        except OutOfIterations:
+            return None
+        if not minimum.is_found:
+            _log.info("mesh %d: %s", led.level, minimum.ending.value)
+            return None
+        effort = accepted.effort + (spent((minimiser,)) - effort)
+        accepted = replace(accepted, minimum=minimum, effort=effort)
+        return replace(led, problem=self.simulation.problem_of("released"), accepted=accepted, only_leads=False)
+
     def _prepare(
-        self, softer: Minimisers, minimisers: Minimisers, before: Problem, accepted: Accepted, start: Array
+        self, softer: Minimisers, minimisers: Minimisers, coarse: Refined[Scene], start: Array, own: Problem
     ) -> None:
         """Let loads act, and terms take over what they may from stages before and from the coarser mesh."""
-        mine, released = self.simulation, self._released
-        mine.renew_budget()
+        accepted, released = coarse.accepted, self._released
+        self.simulation.renew_budget()
         for minimiser in (*softer, *minimisers):
+            minimiser.forget_matrix()
             minimiser.problem.apply(accepted.load_factor)
         if accepted.phase != "tied":
             released.apply(accepted.load_factor)
             for before_it in released.minimisers[: -len(minimisers)][-1:]:  # none where contact has one stage
                 minimisers[0].problem.start_from(before_it.problem, before_it.problem.at(start))
-        mine.problem_of(accepted.phase).refine(before, cast(State, accepted.minimum.state))
+        own.refine(coarse.problem, cast(State, accepted.minimum.state))
 
-    def _attempts(self) -> list[tuple[Minimisers, Minimisers]]:
+    def _attempts(self, only_leads: bool) -> list[tuple[Minimisers, Minimisers]]:
         """Return minimisers of the released walls that a step may go through, the fewest first, after those of walls
         with smaller bulk moduli.
 
         A method with multipliers takes its first pressures from a penalty. Where contact is too stiff for what the
         coarser mesh has left between walls, softer stages lead to it.
         """
-        terms, stages = self.simulation.problem_of("released").terms, self._released.minimisers
-        has_multipliers = any(isinstance(term, ContactTerm) and term.has_multipliers for term in terms)
-        few, most = 2 if has_multipliers else 1, len(stages) - len(self._tied)
+        left_out = 1 if only_leads else 0
+        stages = self._released.minimisers[: len(self._released.minimisers) - left_out]
+        few, most = 2 if self.has_multipliers and not only_leads else 1, len(stages) - len(self._tied)
         counts = [few, most] if few < most else [few]
-        return [(self.simulation.softer_in_bulk(count), stages[-count:]) for count in counts]
+        return [(self.simulation.softer_in_bulk(count + left_out), stages[-count:]) for count in counts]
 
     def stable(self, found: Refined[Scene]) -> Refined[Scene]:
         """Return a step with its lowest curvature, below a saddle if it rests on one; errors of that are not known."""

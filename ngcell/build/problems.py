@@ -259,8 +259,10 @@ class Problems:
         scale, options = self._scales.stiffest * volume, self.options.solver.minimiser
         return Minimiser(problem, longest_step, scale, options=options, clock=self.clock, budget=self._budget)
 
-    def problem_of(self, phase: str) -> Problem:
-        """Return the problem that steps of a phase solve."""
+    def problem_of(self, phase: str, *, only_leads: bool = False) -> Problem:
+        """Return the problem that steps of a phase solve; of released walls also the stage that leads to the last."""
+        if only_leads:
+            return self.released_problems[-2]
         return self.closing_problems[-1] if phase == "tied" else self.problem
 
     def renew_budget(self) -> None:

@@ -78,27 +78,44 @@ class Refinement(Generic[Scene]):
         return found if found.level == 0 else self._levels[found.level].stable(found)
 
     def _refined(self, accepted: Accepted) -> Refined[Scene]:
-        """Return a step on the mesh that it is reported on."""
-        is_judged = self.estimates and accepted.phase != "tied"
-        last = Refined(0, self._levels[0].simulation, accepted, Errors(), is_judged)
+        """Return a step on the mesh that it is reported on.
+
+        Contact pressures that are unknowns are solved for where a step is reported; a penalty leads there.
+        """
+        is_released, base = accepted.phase != "tied", self._levels[0].simulation
+        is_judged = self.estimates and is_released
+        reported = last = Refined(0, base, base.problem_of(accepted.phase), accepted, Errors(), is_judged)
         if not self.estimates:
             return last
-        found, refined = [self._numbers(last)], list[Refining]()
-        while True:
-            finer = self._next(last)
-            if finer is None:
-                return last
-            found.append(self._numbers(finer))
+        found, refined = [_numbers(last)], list[Refining]()
+        while (finer := self._next(last)) is not None:
+            found.append(_numbers(finer))
             refined.append(self._stages[finer.level].refining(self._stages[last.level], self._exponent))
-            is_reported = self._stages[finer.level].is_reported
-            errors = estimate(found, refined, of_last=is_reported)
-            _log.info("mesh %d: energy %.6e, estimated error %.1e", finer.level, found[-1].energy, errors.relative)
-            if not is_reported:
-                effort = finer.accepted.effort
-                return replace(last, accepted=replace(last.accepted, effort=effort), errors=errors)
-            last = replace(finer, errors=errors)
-            if not is_judged or errors.relative <= self._accuracy:
-                return last
+            if not self._stages[finer.level].is_reported:
+                errors = estimate(found, refined, of_last=False)
+                return replace(reported, accepted=replace(accepted, effort=finer.accepted.effort), errors=errors)
+            last = finer
+            errors = estimate(found, refined, meant=found[-1].without_contact if last.only_leads else found[-1])
+            _log.info("mesh %d: energy %.6e, estimated error %.1e", last.level, found[-1].energy, errors.relative)
+            if is_judged and errors.relative > self._accuracy:
+                continue
+            finished = self._reported(last, found, refined)
+            if finished is None:
+                continue
+            if not is_judged or finished.errors.relative <= self._accuracy:
+                return finished
+            reported, effort = finished, finished.accepted.effort
+            last = replace(last, accepted=replace(last.accepted, effort=effort))
+        if last.level == reported.level:
+            return reported
+        return self._reported(last, found, refined) or reported
+
+    def _reported(
+        self, last: Refined[Scene], found: Sequence[Numbers], refined: Sequence[Refining]
+    ) -> Refined[Scene] | None:
+        """Return a step by the contact that is meant, with its errors; None where it finds no equilibrium."""
+        finished = self._levels[last.level].finished(last) if last.only_leads else last
+        return finished and replace(finished, errors=estimate(found, refined, meant=_numbers(finished)))
 
     @cached_property
     def _exponent(self) -> float:
@@ -122,11 +139,12 @@ class Refinement(Generic[Scene]):
         level = self._level(coarse.level + 1)
         if level is None:
             return None
-        return level.settled(coarse)
+        is_reported, phase = self._stages[coarse.level + 1].is_reported, coarse.accepted.phase
+        return level.settled(coarse, only_leads=is_reported and phase != "tied" and level.has_multipliers)
 
-    def _numbers(self, one: Refined[Scene]) -> Numbers:
-        simulation, minimum = one.simulation, one.accepted.minimum
-        with simulation.clock.phase("measuring"):
-            problem = simulation.problem_of(one.accepted.phase)
-            state = cast(State, minimum.state)
-            return numbers_of(simulation.setup, problem, state, minimum.proximal, minimum.to_fall)
+
+def _numbers(one: Refined[Scene]) -> Numbers:
+    simulation, minimum = one.simulation, one.accepted.minimum
+    with simulation.clock.phase("measuring"):
+        state = cast(State, minimum.state)
+        return numbers_of(simulation.setup, one.problem, state, minimum.proximal, minimum.to_fall)

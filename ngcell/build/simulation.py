@@ -135,7 +135,7 @@ class Simulation(Problems):
         accepted, level = refined.accepted, refined.level
         return self._observer.step(
             accepted,
-            self.problem_of(accepted.phase),
+            refined.problem,
             checkpoint.on_level(accepted.phase, level),
             seconds,
             tied=tied,

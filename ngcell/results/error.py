@@ -22,7 +22,7 @@ mean overlap under the forces between them.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, isfinite, nan
 
 import numpy as np
@@ -81,6 +81,11 @@ class Numbers:
     pulled: float = 0.0
     utilisation: float = 0.0
 
+    @property
+    def without_contact(self) -> Numbers:
+        """The same without what they err by besides the mesh."""
+        return replace(self, besides=0.0, overlap=0.0)
+
 
 @dataclass(frozen=True)
 class Refining:
@@ -132,7 +137,9 @@ ERROR_NAMES = ("energy", "plate_force", "contact_force", "mean_gap", "largest_ga
 _TOLD = ("potential", "utilisation", *ERROR_NAMES)
 
 
-def estimate(found: Sequence[Numbers], refined: Sequence[Refining], *, of_last: bool = True) -> Errors:
+def estimate(
+    found: Sequence[Numbers], refined: Sequence[Refining], *, of_last: bool = True, meant: Numbers | None = None
+) -> Errors:
     """Return the errors of numbers that were found on one mesh after the other.
 
     Parameters
@@ -143,6 +150,8 @@ def estimate(found: Sequence[Numbers], refined: Sequence[Refining], *, of_last: 
         How each mesh but the first is finer than the one before.
     of_last : bool
         Whether errors are those of the last mesh, or of the last but one.
+    meant : Numbers, optional
+        Those of the last mesh by the contact that is meant, where the others are by one that leads to it.
     """
     if len(found) < 2:
         return Errors()
@@ -154,7 +163,7 @@ def estimate(found: Sequence[Numbers], refined: Sequence[Refining], *, of_last: 
         remains = share if of_last else 1.0
         new = {name: max(change[name] * remains / (1 - share), share * told.get(name, 0.0)) for name in _TOLD}
         told, changed = new if number else {}, 0.0 if how.is_graded else change["potential"]
-    return _with_contact(found[-1], new)
+    return _with_contact(meant or found[-1], new)
 
 
 def _share(how: Refining, change: float, before: float, told: float | None) -> float:

@@ -8,6 +8,7 @@ from math import inf
 import pytest
 
 import ngcell
+from ngcell.build.mesh_level import Level, Refined
 from ngcell.build.options import Options
 from ngcell.build.reported import Step
 from ngcell.build.simulation import Simulation
@@ -37,6 +38,23 @@ def test_where_the_path_is_not_reported_it_is_followed_by_a_penalty():
     scene = simulation()
     assert method(scene) is PenaltyContact
     assert method(scene.refinement.level(1)) is MortarContact
+
+
+def test_meshes_that_are_not_reported_are_led_through_by_a_penalty(monkeypatch):
+    seen: list[tuple[int, bool]] = []
+    settled, finished = Level.settled, Level.finished
+
+    def noted(level: Level, coarse: Refined, **how: bool) -> Refined | None:
+        seen.append((coarse.level + 1, how["only_leads"] and coarse.accepted.phase == "released"))
+        return settled(level, coarse, **how)
+
+    monkeypatch.setattr(Level, "settled", noted)
+    monkeypatch.setattr(Level, "finished", lambda level, led: seen.append((led.level, False)) or finished(level, led))
+    *_, step = simulation().accepted_steps()
+    assert step.record.certified
+    most = len(step.meshes) - 1
+    assert most > 1
+    assert seen[-most - 1 :] == [*((level, True) for level in range(1, most + 1)), (most, False)]
 
 
 @pytest.mark.parametrize("sets", ["accuracy=inf", "mesh.order=2"])
