@@ -26,7 +26,7 @@ from ngcell.scene.mesh import HIGHEST_ORDER
 
 #: Order and grading of the meshes of a tissue, one after the other: what a grade leaves of an error is known only from
 #: the step in order before it. The finest is left out where a low accuracy is asked for.
-_TISSUE, _FINE = ((2, 1), (3, 1), (4, 1), (4, 2), (5, 2), (6, 3)), 0.005
+_TISSUE, _FINE = ((2, 1), (3, 1), (4, 1), (4, 2), (5, 2), (6, 3)), 0.02
 #: Exponents of the displacement's growth with the distance from the end of a contact, and from a corner that is held on
 #: one side (Williams, J. Appl. Mech. 19, 1952); angles in radians from which on an outline is re-entrant, and up to
 #: which it has a corner.
