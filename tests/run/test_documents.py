@@ -38,7 +38,7 @@ def test_the_script_of_the_readme_prints_what_it_says(
     exec(block(README, "python"), {})
     printed = re.findall(r"(\S+): energy (\S+) ± \S+, certified: (\w+)", capsys.readouterr().out)
     said = re.findall(r"`(\S+): energy (\S+) ± \S+, certified: (\w+)`", README.read_text())
-    assert [(wall, certified) for wall, _, certified in printed] == [("0.05", "True"), ("0.1", "True")]
+    assert [(wall, certified) for wall, _, certified in printed] == [("0.1", "True"), ("0.15", "True")]
     for (_, energy, certified), (_, told, promised) in zip(printed, said, strict=True):
         assert float(energy) == pytest.approx(float(told), rel=0.01)
         assert certified == promised
