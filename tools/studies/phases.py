@@ -56,6 +56,8 @@ def draw(summary: dict[str, Any], file: Path) -> None:
 def command(folder: Path, out: Path | None) -> None:
     """Draw and tell where the seconds of the run in FOLDER went."""
     summary = summary_in(folder)
+    if "seconds" not in summary:
+        raise click.ClickException(f"{folder}: it holds no run that has ended; run `ngcell solve CASE --out {folder}`")
     draw(summary, out or DOCS / f"phases-{folder.resolve().name}.png")
     for name, value in bars(summary["seconds"]):
         click.echo(f"{name:24}{value:10.1f} s")
