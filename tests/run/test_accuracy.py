@@ -83,7 +83,8 @@ def test_what_the_energy_may_still_fall_counts_in_its_error(weight: float, centr
     case = ngcell.read_case("shear-empty-3x3", SMALL)
     *_, rushed = ngcell.simulate(case, options=Options(solver=SolverOptions(continuation=continuation)))
     *_, usual = steps()
-    assert rushed.record.energy_error > rushed.record.energy - usual.record.energy > 0
+    # It goes on to a finer mesh, on which energies are lower.
+    assert rushed.record.energy_error > abs(rushed.record.energy - usual.record.energy)
     assert rushed.record.energy_error > 2 * usual.record.energy_error
     assert "estimated_error" in failures(rushed)
 

@@ -101,7 +101,7 @@ def test_where_lumens_are_meshed_anew_for_each_grading_there_is_one_grading(tmp_
         return {stage.grading for stage in stages_of(scene)}
 
     assert gradings("brick", SOFT) == {1}
-    assert gradings("brick", None) == gradings("perturbed", SOFT) == {1, 2}
+    assert gradings("brick", None) == gradings("perturbed", SOFT) == {1, 2, 3}
 
 
 def test_check_tells_cells_areas_walls_and_neighbours(tmp_path):
