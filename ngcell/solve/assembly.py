@@ -75,6 +75,11 @@ class Assembly:
         return len(self.problem.free) > self.options.most_direct and self.problem.dimension == 3
 
     @property
+    def has_system(self) -> bool:
+        """Whether a matrix has been made."""
+        return self._system is not None
+
+    @property
     def system(self) -> System:
         """The matrix that was made last."""
         assert self._system is not None  # `model` has made one

@@ -221,11 +221,11 @@ class CondensedMatrix:
     def reduced(self, model: OneSidedModel) -> Reduced:
         """Return the model of the unknowns that are kept."""
         condensed = self._condensed(model.stiffness, model.jacobian)
-        matrix, jacobian, kept = self._elimination.matrix, self._elimination.derivatives(model.jacobian), condensed
+        matrix, jacobian = self._elimination.matrix, self._elimination.derivatives(model.jacobian)
         matrix.expect(jacobian[np.flatnonzero(model.gap < self._near)])
         right = -model.gradient
         free = self._free[self._elimination.kept]
-        left = OneSidedModel(-kept.right(right), kept.stiffness, model.gap, jacobian, model.penalty, free)
+        left = OneSidedModel(-condensed.right(right), condensed.stiffness, model.gap, jacobian, model.penalty, free)
         return Reduced(left, matrix, condensed, right)
 
     def _condensed(self, stiffness: Stiffness, jacobian: sparse.csr_array) -> Condensed:

@@ -49,12 +49,14 @@ class GrowingMatrix:
     def factorise(self, stiffness: Stiffness, jacobian: sparse.csr_array, penalty: Array) -> None:
         """Factorise the matrix with penalty terms."""
         row, column, data = lower_entries(stiffness.with_penalty(jacobian, penalty))
-        if self._roomy is None or not self._roomy[0].find(row, column)[1].all():
-            self._roomy = self._with_room(row, column)
-        matrix, place = self._roomy
+        matrix, place = self._roomy = self._roomy or self._with_room(row, column)
+        position, is_there = matrix.find(row, column)
+        if not is_there.all():
+            matrix, place = self._roomy = self._with_room(row, column)
+            position = matrix.locate(row, column)
         summed = np.zeros(matrix.entry_count)
         summed[place] = stiffness.values
-        summed[matrix.locate(row, column)] += data
+        summed[position] += data
         matrix.factorise(summed)
 
     def _with_room(self, row: Index, column: Index) -> tuple[SymmetricMatrix, Index]:

@@ -145,7 +145,8 @@ class Minimiser:
 
     def make_matrix(self, displacement: Array) -> None:
         """Make the matrix of this problem, if there is none yet."""
-        self.assembly.make_system(self._at(displacement))
+        if not self.assembly.has_system:
+            self.assembly.make_system(self._at(displacement))
 
     def adopt_matrix(self, other: Minimiser) -> None:
         """Take over the matrix of a minimiser that has the same unknowns and bodies, if there is none yet."""
