@@ -19,8 +19,10 @@ from ngcell.problem.problem import Problem
 from ngcell.problem.state import State
 from ngcell.results.equilibrium import Setup
 from ngcell.results.error import Errors
+from ngcell.solve.continuation import rested
 from ngcell.solve.effort import OutOfIterations
 from ngcell.solve.minimise import Minimiser
+from ngcell.solve.minimum import Minimum
 from ngcell.solve.refined import has_contact, settled, stable
 from ngcell.solve.released import Released
 from ngcell.solve.step import Accepted, spent
@@ -156,26 +158,35 @@ class Level(Generic[Scene]):
         return None
 
     def finished(self, led: Refined[Scene]) -> Refined[Scene] | None:
-        """Return a step on this mesh by the contact that is meant, from one that only leads to it; None where it finds
-        no equilibrium."""
-        minimiser, accepted = self._released.minimisers[-1], led.accepted
+        """Return a step on this mesh at rest, by the contact that is meant; None where it finds no equilibrium."""
+        if led.accepted.phase == "tied":
+            return led
+        minimiser, path = self._released.minimisers[-1], self._released.path
+        effort, minimum = spent((minimiser,)), led.accepted.minimum
         self.simulation.renew_budget()
-        effort, state = spent((minimiser,)), cast(State, accepted.minimum.state)
-        minimiser.forget_matrix()
-        minimiser.problem.apply(accepted.load_factor)
-        minimiser.problem.start_from(led.problem, state)
-        path = self._released.path if accepted.minimum.proximal.weight else None
-        length, options = self._released.longest_step, self.simulation.options.solver
         try:
-            minimum = settled((minimiser,), state.displacement, length=length, options=options, path=path)
+            if led.only_leads:
+                minimum = self._by_meant_contact(led)
+            if minimum.is_found and minimum.proximal.weight:
+                minimum = rested(minimiser, minimum, path)
         except OutOfIterations:
             return None
         if not minimum.is_found:
             _log.info("mesh %d: %s", led.level, minimum.ending.value)
             return None
-        effort = accepted.effort + (spent((minimiser,)) - effort)
-        accepted = replace(accepted, minimum=minimum, effort=effort)
+        effort = led.accepted.effort + (spent((minimiser,)) - effort)
+        accepted = replace(led.accepted, minimum=minimum, effort=effort)
         return replace(led, problem=self.simulation.problem_of("released"), accepted=accepted, only_leads=False)
+
+    def _by_meant_contact(self, led: Refined[Scene]) -> Minimum:
+        """Return the minimum by the contact that is meant, beside one by a contact that only leads to it."""
+        minimiser, state = self._released.minimisers[-1], cast(State, led.accepted.minimum.state)
+        minimiser.forget_matrix()
+        minimiser.problem.apply(led.accepted.load_factor)
+        minimiser.problem.start_from(led.problem, state)
+        path = self._released.path if led.accepted.minimum.proximal.weight else None
+        length, options = self._released.longest_step, self.simulation.options.solver
+        return settled((minimiser,), state.displacement, length=length, options=options, path=path)
 
     def _prepare(
         self, softer: Minimisers, minimisers: Minimisers, coarse: Refined[Scene], start: Array, own: Problem

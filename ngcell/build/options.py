@@ -45,4 +45,5 @@ class Options:
 
     def for_path(self) -> Options:
         """Return the numbers for a mesh on which the load path is followed and nothing is reported: no multipliers."""
-        return replace(self, contact=replace(self.contact, only_leads=True))
+        solver = replace(self.solver, continuation=replace(self.solver.continuation, only_leads=True))
+        return replace(self, solver=solver, contact=replace(self.contact, only_leads=True))

@@ -75,7 +75,7 @@ class Refinement(Generic[Scene]):
         It depends on the step alone, not on the meshes of steps before it.
         """
         found = self._refined(accepted)
-        return found if found.level == 0 else self._levels[found.level].stable(found)
+        return self._levels[found.level].stable(found) if self.estimates else found
 
     def _refined(self, accepted: Accepted) -> Refined[Scene]:
         """Return a step on the mesh that it is reported on.
@@ -87,13 +87,16 @@ class Refinement(Generic[Scene]):
         reported = last = Refined(0, base, base.problem_of(accepted.phase), accepted, Errors(), is_judged)
         if not self.estimates:
             return last
+        if len(self._stages) > 1 and not self._stages[1].is_reported:
+            reported = last = self._levels[0].finished(last) or last
         found, refined = [_numbers(last)], list[Refining]()
         while (finer := self._next(last)) is not None:
             found.append(_numbers(finer))
             refined.append(self._stages[finer.level].refining(self._stages[last.level], self._exponent))
             if not self._stages[finer.level].is_reported:
                 errors = estimate(found, refined, of_last=False)
-                return replace(reported, accepted=replace(accepted, effort=finer.accepted.effort), errors=errors)
+                accepted = replace(reported.accepted, effort=finer.accepted.effort)
+                return replace(reported, accepted=accepted, errors=errors)
             last = finer
             errors = estimate(found, refined, meant=found[-1].without_contact if last.only_leads else found[-1])
             _log.info("mesh %d: energy %.6e, estimated error %.1e", last.level, found[-1].energy, errors.relative)
@@ -104,18 +107,23 @@ class Refinement(Generic[Scene]):
                 continue
             if not is_judged or finished.errors.relative <= self._accuracy:
                 return finished
-            reported, effort = finished, finished.accepted.effort
-            last = replace(last, accepted=replace(last.accepted, effort=effort))
+            reported, spent = finished, replace(last.accepted, effort=finished.accepted.effort)
+            last = replace(last, accepted=spent) if last.only_leads else finished
         if last.level == reported.level:
-            return reported
+            return reported if last.level else self._levels[0].finished(reported) or reported
         return self._reported(last, found, refined) or reported
 
     def _reported(
         self, last: Refined[Scene], found: Sequence[Numbers], refined: Sequence[Refining]
     ) -> Refined[Scene] | None:
-        """Return a step by the contact that is meant, with its errors; None where it finds no equilibrium."""
-        finished = self._levels[last.level].finished(last) if last.only_leads else last
-        return finished and replace(finished, errors=estimate(found, refined, meant=_numbers(finished)))
+        """Return a step at rest by the contact that is meant, with its errors; None where it finds no equilibrium.
+
+        What the meshes have changed is told by minima that are as much at rest on each.
+        """
+        finished = self._levels[last.level].finished(last)
+        if finished is None:
+            return None
+        return replace(finished, errors=estimate(found, refined, meant=_numbers(finished)))
 
     @cached_property
     def _exponent(self) -> float:

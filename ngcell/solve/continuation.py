@@ -12,11 +12,11 @@ part. So the equilibrium follows from centre and energy alone, not from load ste
 What the last proximal term still holds is measured and reported.
 
 How the path ends depends on the accuracy that is asked for. Where it is finite, the path goes to `recentred`, and from
-there each minimum is the centre of the next proximal term: bodies that nothing holds stay where they have come free,
-and within some centres no proximal force is left. Digits that nobody asked for, such as the last ones of the places of
-floating cells, take most of the time on any other way. At accuracy inf the centre stays, and in the limit floating
-cells sit as near to it as contact allows. They may cycle on corners of others without end: where the last stretch, from
-`enough` to `last`, takes longer than the way to it, or stalls, the path ends at `enough`.
+there each minimum is the centre of the next proximal term (`ngcell.solve.recentred`). Digits that nobody asked for,
+such as the last ones of the places of floating cells, take most of the time on any other way. At accuracy inf the
+centre stays, and in the limit floating cells sit as near to it as contact allows. They may cycle on corners of others
+without end: where the last stretch, from `enough` to `last`, takes longer than the way to it, or stalls, the path ends
+at `enough`.
 
 Numbers (`ngcell.solve.options.ContinuationOptions`): the scale of the weight is shear modulus over cell size squared,
 which makes the path independent of units. At `first` the proximal term outweighs everything but the wall's own
@@ -34,12 +34,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.solve.effort import Effort
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.options import ContinuationOptions
 from ngcell.solve.problem import State
 from ngcell.solve.proximal import ProximalTerm
+from ngcell.solve.recentred import at_rest, balanced, minimised, recentred
 
 Array = NDArray[np.float64]
 
@@ -75,7 +75,7 @@ class Continuation:
 
         It goes down to round-off, so that the path does not depend on `start`.
         """
-        return _minimise(apart, start, self._proximal(self.options.first, centre), 0.0, self.options.first)[0]
+        return minimised(apart, start, self._proximal(self.options.first, centre), 0.0, self.options.first)[0]
 
     def select(
         self, begin: State, minimisers: Sequence[Minimiser], centre: Array, *, may_stall: bool = True
@@ -104,7 +104,7 @@ class Continuation:
         _log.info("the path ends at %.0e", instead.weight)
         proximal, most = self._proximal(instead.weight, centre), max(options.cycling, instead.way)
         last = minimisers[-1]
-        minimum, _ = _minimise(last, instead.place, proximal, options.at_the_end, instead.weight, most=most)
+        minimum, _ = minimised(last, instead.place, proximal, options.at_the_end, instead.weight, most=most)
         if not minimum.is_found:
             return minimum
         return until_conditions_hold(last, minimum, last.longest_step, options, name=instead.weight)
@@ -125,15 +125,15 @@ class Continuation:
             share, least = (options.at_the_end, 0.0) if is_exact else (options.on_the_way, options.nothing)
             least, most = max(options.update * missed, least * abs(energy)), options.cycling if enough else None
             proximal = self._proximal(weight, centre)
-            minimum, effort = _minimise(minimiser, place, proximal, share, weight, least, most)
+            minimum, effort = minimised(minimiser, place, proximal, share, weight, least, most)
             way += effort.iterations
             if minimum.ending is Ending.STALLED and weight > options.stiffen_at and not may_stall:
                 minimum = replace(minimum, ending=Ending.NO_DESCENT)
             if minimum.is_found and is_end and options.sufficient:
                 minimum = recentred(minimiser, minimum.state.displacement, minimum.proximal.weight, options)
-                length, to_fall = minimiser.longest_step, minimum.to_fall
-                minimum = until_conditions_hold(minimiser, minimum, length, options, name=weight)
-                return replace(minimum, to_fall=to_fall), None
+                if minimum.is_found:
+                    minimum = at_rest(minimiser, minimum, self.scale, options, options.refined)
+                return minimum if options.only_leads else rested(minimiser, minimum, self), None
             if minimum.is_found and is_end:
                 most = 2 * enough.way - way if enough else None
                 minimum = until_conditions_hold(
@@ -164,32 +164,14 @@ class Continuation:
         return ProximalTerm(self.scale * weight, centre)
 
 
-def recentred(minimiser: Minimiser, start: Array, weight: float, options: ContinuationOptions) -> Minimum:
-    """Return an equilibrium near a place: from now on the proximal term holds bodies where they are.
-
-    This is the proximal point method (Rockafellar 1976, doi:10.1137/0314056): each minimum is the next centre, so that
-    bodies that nothing holds stay, and no proximal force is left in the end. It ends where all falls of the energy that
-    are still to come, as many as go on like the last two, are no more than what suffices, and the proximal force is not
-    felt; or where bodies are hardly strained at all. What may still fall is told.
-    """
-    proximal, fallen, scale = ProximalTerm(weight, start), float("inf"), weight / options.recentred
-    nothing = options.hardly_strained**2 * minimiser.energy_scale
-    for _ in range(options.most_recentred):
-        energy, name = minimiser.problem.at(proximal.centre).energy, proximal.weight / scale
-        sufficient = max(options.sufficient * abs(energy), nothing)
-        minimum, _ = _minimise(minimiser, proximal.centre, proximal, 0.0, name, options.update * sufficient)
-        if not minimum.is_found:
-            return minimum
-        minimiser.problem.update_multipliers(minimum.state)
-        before, fallen = fallen, energy - minimum.state.energy
-        ratio = fallen / before if before > 0 else 0.0
-        weight = max(proximal.weight / 10, scale * options.last) if ratio > options.idle else proximal.weight
-        proximal = ProximalTerm(weight, minimum.state.displacement)
-        to_fall = fallen / (1 - min(max(ratio, 0.0), options.idle))
-        if to_fall <= sufficient and not _is_felt(minimiser, minimum, options.felt):
-            break
-    enough = options.refined * max(abs(energy), nothing)
-    return replace(_minimise(minimiser, proximal.centre, proximal, 0.0, name, enough)[0], to_fall=to_fall)
+def rested(minimiser: Minimiser, minimum: Minimum, path: Continuation) -> Minimum:
+    """Return the equilibrium beside a minimum: only contact and supports hold bodies, as their conditions demand."""
+    if not minimum.is_found:
+        return minimum
+    minimum, to_fall = balanced(minimiser, minimum, path.scale, path.options), minimum.to_fall
+    if not minimum.is_found:
+        return minimum
+    return replace(until_conditions_hold(minimiser, minimum, minimiser.longest_step, path.options), to_fall=to_fall)
 
 
 def until_conditions_hold(
@@ -218,26 +200,13 @@ def until_conditions_hold(
             minimiser.problem.increase_penalty()
         before = missed
         start, tolerance = minimum.state.displacement, options.update * energy
-        minimum, _ = _minimise(minimiser, start, minimum.proximal, options.at_the_end, name, tolerance, options.cycling)
+        minimum, _ = minimised(minimiser, start, minimum.proximal, options.at_the_end, name, tolerance, options.cycling)
         if not minimum.is_found:
             return minimum
         cycles = minimum.ending is Ending.STALLED
         if cycles and most is not None and minimiser.effort.iterations - spent > most:
             break
     return replace(minimum, ending=Ending.CONDITIONS_MISSED)
-
-
-def _is_felt(minimiser: Minimiser, minimum: Minimum, share: float) -> bool:
-    """Return whether the proximal term pulls a body by more than a share of the largest force on one."""
-    problem, state = minimiser.problem, minimum.state
-    line = problem.linearise(state)
-    contact = line.jacobian.T @ (line.penalty * np.minimum(line.gap, 0))
-    support = np.where(problem.free, 0.0, problem.gradient(state))
-    pull = minimum.proximal.gradient(state.displacement, problem.mass)
-    pulled, pressed, held = (
-        float(np.linalg.norm(problem.resultants(force), axis=1).max()) for force in (pull, contact, support)
-    )
-    return pulled > share * max(pressed, held)
 
 
 def _without_round_off(place: Array, minimiser: Minimiser, last_digit: float) -> Array:
@@ -248,28 +217,3 @@ def _without_round_off(place: Array, minimiser: Minimiser, last_digit: float) ->
     """
     digit = last_digit * minimiser.longest_step
     return np.where(minimiser.problem.free, digit * np.round(place / digit), place)
-
-
-def _minimise(
-    minimiser: Minimiser,
-    start: Array,
-    proximal: ProximalTerm,
-    share: float,
-    name: float,
-    enough: float = 0.0,
-    most: int | None = None,
-) -> tuple[Minimum, Effort]:
-    before = minimiser.effort.copy()
-    minimum = minimiser.minimise(start, proximal, max(share * minimiser.proximal_energy(start, proximal), enough), most)
-    spent = minimiser.effort - before
-    _log.info(
-        "proximal weight %.0e: %s, %d iterations, %d factorisations, %d refused, energy %.8e, decrement %.0e",
-        name,
-        minimum.ending.value,
-        spent.iterations,
-        spent.factorisations,
-        spent.refusals,
-        minimum.state.energy,
-        minimum.decrement,
-    )
-    return minimum, spent

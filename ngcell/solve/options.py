@@ -107,6 +107,12 @@ class ContinuationOptions:
         above which the next one is slow, and the weight is lowered; and the decrement of the last minimisation as a
         share of the energy. A share of 1e-12 left forces 2.9e-6 out of balance where contact
         is stiff, and does not tell which cells nothing holds.
+    allowed, allowed_of_accuracy, nearly_allowed : float, float, float
+        Pull that is allowed in a result, as a share of the largest force on a body; that over the accuracy that is
+        asked for, nine tenths of what the certificate allows; and the multiple of it up to which another centre under
+        the same weight may do.
+    only_leads : bool
+        Whether the end of the path only leads to equilibria on finer meshes.
     hardly_strained : float
         Strain below which the energy is told from nothing no more.
     first_overlapping : float
@@ -148,6 +154,10 @@ class ContinuationOptions:
     most_recentred: int = 30
     idle: float = 0.9
     refined: float = 1e-16
+    allowed: float = 0.0
+    allowed_of_accuracy: float = 0.09
+    nearly_allowed: float = 2.0
+    only_leads: bool = False
     hardly_strained: float = 1e-5
     first_overlapping: float = 1.0
     narrowest: float = 0.5
@@ -167,7 +177,8 @@ class ContinuationOptions:
 
     def within(self, accuracy: float) -> ContinuationOptions:
         """Return the numbers with which results have this relative error."""
-        return replace(self, felt=self.felt_of_accuracy * accuracy, sufficient=self.sufficient_of_accuracy * accuracy)
+        felt, sufficient = self.felt_of_accuracy * accuracy, self.sufficient_of_accuracy * accuracy
+        return replace(self, felt=felt, allowed=self.allowed_of_accuracy * accuracy, sufficient=sufficient)
 
     @property
     def end(self) -> float:

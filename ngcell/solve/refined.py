@@ -9,11 +9,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.solve.continuation import Continuation, recentred, until_conditions_hold
+from ngcell.solve.continuation import Continuation, until_conditions_hold
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Minimum
 from ngcell.solve.options import SolverOptions
 from ngcell.solve.proximal import ProximalTerm
+from ngcell.solve.recentred import at_rest, recentred
 from ngcell.solve.stability import stable_minimum
 
 Array = NDArray[np.float64]
@@ -28,7 +29,7 @@ def settled(
     options: SolverOptions,
     path: Continuation | None = None,
 ) -> Minimum:
-    """Return the minimum near a state that was found on a coarser mesh.
+    """Return the minimum near a state that was found on a coarser mesh, as sure as its energy is asked for.
 
     What hardly changes its volume does so between the points that the coarser mesh had. Followed as it is, with a
     pressure from there that alternates from point to point, it takes hundreds of iterations; walls of smaller bulk
@@ -65,7 +66,9 @@ def settled(
             held = ProximalTerm(weight, start)
             minimum = minimiser.minimise(start, held, share * abs(minimiser.problem.at(start).energy))
         else:
-            minimum = recentred(minimiser, start, weight, replace(path.options, refined=share))
+            minimum = recentred(minimiser, start, weight, path.options)
+            if minimum.is_found:
+                minimum = at_rest(minimiser, minimum, path.scale, path.options, share)
         if not minimum.is_found:
             return minimum
         start, before = minimum.state.displacement, minimiser

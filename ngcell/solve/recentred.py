@@ -1,0 +1,135 @@
+"""The proximal point method: the end of a path, where the proximal term holds bodies where they have come free.
+
+Each minimum is the centre of the next proximal term (Rockafellar 1976, doi:10.1137/0314056), so that bodies that
+nothing holds stay, and no proximal force is left in the end. `recentred` goes on until the energy hardly falls any
+more; `at_rest` goes down to round-off, and `balanced` on to where the proximal force is no more than allowed. Round-off
+is reached under a weight that holds what rattles: under a vanishing one the same digits take several times the
+iterations, since cells that are free slide along others for nothing.
+"""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ngcell.solve.effort import Effort
+from ngcell.solve.minimise import Minimiser
+from ngcell.solve.minimum import Minimum
+from ngcell.solve.options import ContinuationOptions
+from ngcell.solve.proximal import ProximalTerm
+
+Array = NDArray[np.float64]
+
+_log = logging.getLogger(__name__)
+
+
+def recentred(minimiser: Minimiser, start: Array, weight: float, options: ContinuationOptions) -> Minimum:
+    """Return a state near a place from which the energy hardly falls any more.
+
+    It ends where all falls of the energy that are still to come, as many as go on like the last two, are no more than
+    what suffices, and the proximal force is not felt; or where bodies are hardly strained at all. What may still fall
+    is told. Where falls are slow, the weight is lowered.
+    """
+    proximal, fallen, scale = ProximalTerm(weight, start), float("inf"), weight / options.recentred
+    for _ in range(options.most_recentred):
+        energy, name = minimiser.problem.at(proximal.centre).energy, proximal.weight / scale
+        sufficient = max(options.sufficient * abs(energy), _nothing(minimiser, options))
+        minimum, _ = minimised(minimiser, proximal.centre, proximal, 0.0, name, options.update * sufficient)
+        if not minimum.is_found:
+            return minimum
+        minimiser.problem.update_multipliers(minimum.state)
+        before, fallen = fallen, energy - minimum.state.energy
+        ratio = fallen / before if before > 0 else 0.0
+        weight = max(proximal.weight / 10, scale * options.last) if ratio > options.idle else proximal.weight
+        proximal = ProximalTerm(weight, minimum.state.displacement)
+        to_fall = fallen / (1 - min(max(ratio, 0.0), options.idle))
+        if to_fall <= sufficient and _pull(minimiser, minimum, options.felt) <= 1:
+            break
+    return replace(minimum, to_fall=to_fall)
+
+
+def at_rest(
+    minimiser: Minimiser, minimum: Minimum, scale: float, options: ContinuationOptions, share: float
+) -> Minimum:
+    """Return the minimum beside a state, down to a decrement that is a share of the energy.
+
+    The proximal term holds bodies as firmly as where they came free.
+    """
+    weight, place = scale * options.recentred, minimum.state.displacement
+    enough = share * max(abs(minimum.state.energy), _nothing(minimiser, options))
+    found, _ = minimised(minimiser, place, ProximalTerm(weight, place), 0.0, options.recentred, enough)
+    return replace(found, to_fall=minimum.to_fall)
+
+
+def balanced(minimiser: Minimiser, minimum: Minimum, scale: float, options: ContinuationOptions) -> Minimum:
+    """Return the equilibrium beside a minimum: one whose proximal force is no more than a certificate allows.
+
+    As long as it is more, the minimum is the next centre; where that takes less than half of the pull away, the weight
+    is lowered.
+    """
+    before, to_fall = float("inf"), minimum.to_fall
+    while minimum.is_found and minimum.proximal.weight > scale * options.last:
+        pull = _pull(minimiser, minimum, options.allowed)
+        if pull <= 1:
+            break
+        _log.info("the proximal force is %.2g times what is allowed", pull)
+        is_slow = pull > options.nearly_allowed or pull > before / 2
+        weight = minimum.proximal.weight / (10 if is_slow else 1)
+        minimum = at_rest(minimiser, minimum, weight / options.recentred, options, options.refined)
+        before = float("inf") if is_slow else pull
+    return replace(minimum, to_fall=to_fall)
+
+
+def minimised(
+    minimiser: Minimiser,
+    start: Array,
+    proximal: ProximalTerm,
+    share: float,
+    name: float,
+    enough: float = 0.0,
+    most: int | None = None,
+) -> tuple[Minimum, Effort]:
+    """Return a minimum under a proximal term, and what it took.
+
+    It ends at a decrement of so much, or of a share of the proximal energy at the start. `name` is the weight that is
+    told.
+    """
+    before = minimiser.effort.copy()
+    minimum = minimiser.minimise(start, proximal, max(share * minimiser.proximal_energy(start, proximal), enough), most)
+    spent = minimiser.effort - before
+    _log.info(
+        "proximal weight %.0e: %s, %d iterations, %d factorisations, %d refused, energy %.8e, decrement %.0e",
+        name,
+        minimum.ending.value,
+        spent.iterations,
+        spent.factorisations,
+        spent.refusals,
+        minimum.state.energy,
+        minimum.decrement,
+    )
+    return minimum, spent
+
+
+def _nothing(minimiser: Minimiser, options: ContinuationOptions) -> float:
+    """Return the energy that is told from nothing no more."""
+    return options.hardly_strained**2 * minimiser.energy_scale
+
+
+def _pull(minimiser: Minimiser, minimum: Minimum, share: float) -> float:
+    """Return the pull of the proximal term on a body, or on all together, over what is felt: a share of the largest
+    force on a body."""
+    problem, state = minimiser.problem, minimum.state
+    line = problem.linearise(state)
+    contact = line.jacobian.T @ (line.penalty * np.minimum(line.gap, 0))
+    support = np.where(problem.free, 0.0, problem.gradient(state))
+    pull = problem.resultants(minimum.proximal.gradient(state.displacement, problem.mass))
+    pulled = max(_largest(pull), float(np.linalg.norm(pull.sum(axis=0))))
+    felt = share * max(_largest(problem.resultants(contact)), _largest(problem.resultants(support)))
+    return pulled / felt if felt > 0 else 0.0
+
+
+def _largest(vectors: Array) -> float:
+    return float(np.linalg.norm(vectors, axis=1).max())
