@@ -139,7 +139,8 @@ class Problems:
         if self._lumens is None:
             return []
         moduli = np.array([law.plane_strain_modulus for law in self.discretisation.walls])
-        return self_contact_stages(self._lumens, moduli, count, self.options.contact)
+        stiffness = getattr(self._case.contact, "stiffness", 1.0)  # methods without a penalty have none
+        return self_contact_stages(self._lumens, moduli, count, self.options.contact, stiffness=stiffness)
 
     @property
     def contact(self) -> Term:

@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 from scipy import sparse
 
+from ngcell.build.simulation import Simulation
 from ngcell.contact.methods.self_contact import SelfContact, self_contact_stages
 from ngcell.contact.surface.lumens import LumenSurface, find_lumens
 from ngcell.mechanics.term import OneSided, Role, Term
 from ngcell.problem.problem import Problem
+from ngcell.scene import read_case
 from ngcell.solve.proximal import ProximalTerm
 from tests.tissues import LAW, SmallTissue, dense_stiffness, small_tissue
 
@@ -201,3 +203,14 @@ def test_a_cell_pressed_flat_is_two_halves_on_a_rigid_plane():
     found, expected, without = (flattened(tissue, problem) for problem in (touching, halves, free))
     np.testing.assert_allclose(found, expected, rtol=1e-4)
     assert found[-1][1] > 1.1 * without[-1][1]
+
+
+def test_the_stiffness_that_a_case_gives_acts_within_lumens_too():
+    lumens, modulus = Lumens(cell()).surface, np.array([LAW.plane_strain_modulus])
+    usual, stiff = (self_contact_stages(lumens, modulus, 2, stiffness=factor) for factor in (1.0, 3.0))
+    ratios = [two.method.stiffness / one.method.stiffness for one, two in zip(usual, stiff, strict=True)]
+    np.testing.assert_allclose(ratios[0], 1.0)
+    np.testing.assert_allclose(ratios[1], 3.0)
+    case = read_case("crush-3x3", ["contact.stiffness=3.0"])
+    mine, derived = (Simulation(each)._self_contact(2)[-1].method.stiffness for each in (case, read_case("crush-3x3")))
+    np.testing.assert_allclose(mine, 3.0 * derived)

@@ -136,3 +136,12 @@ def test_the_number_of_elements_is_foreseen():
         for grading in (0, 1, 3):
             choice = MeshChoice(grading=grading)
             assert tissue.element_count(choice) == tissue.mesh(None, choice).mesh.ne
+
+
+def test_where_four_cells_meet_the_one_across_is_no_neighbour_on_any_mesh():
+    tissue = Brick(**BRICKS, stagger=0.0)
+    bodies = tissue.mesh("plates", MeshChoice(grading=3))
+    space = DisplacementSpace(bodies, 2)
+    walls = find_surface(bodies, space.scalar, space.rest)
+    found = find_facing(walls, 0.05 * bodies.thickness_of_body).pairs
+    assert found.tolist() == neighbours(tissue.outlines).tolist()

@@ -45,6 +45,7 @@ TISSUES = [
     "bend-filled-3d",
     "bend-layers-3d",
     "crush-3x3",
+    "crush-half",
     "frame-shear",
     "shear-empty",
     "shear-empty-3d",

@@ -173,14 +173,20 @@ class SelfContact(Term):
 
 
 def self_contact_stages(
-    lumens: LumenSurface, modulus_of_body: Array, count: int, options: ContactOptions = DEFAULT_OPTIONS
+    lumens: LumenSurface,
+    modulus_of_body: Array,
+    count: int,
+    options: ContactOptions = DEFAULT_OPTIONS,
+    *,
+    stiffness: float = 1.0,
 ) -> list[SelfContact]:
     """Return contact of lumens for so many stages of a continuation: soft in all of them but the last.
 
-    `modulus_of_body` is the plane-strain modulus of each body, shape (bodies,) [stress].
+    `modulus_of_body` is the plane-strain modulus of each body, shape (bodies,) [stress]; `stiffness` multiplies the
+    penalty stiffness of the last stage, as that of contact between bodies does.
     """
     modulus = modulus_of_body[lumens.body_of_loop]
-    multiples = [options.path_multiple] * (count - 1) + [options.penalty_multiple]
+    multiples = [options.path_multiple] * (count - 1) + [stiffness * options.penalty_multiple]
     return [
         SelfContact(LumenPenalty(lumens, penalty_stiffness(lumens, modulus, multiple), options))
         for multiple in multiples

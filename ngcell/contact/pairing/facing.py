@@ -24,6 +24,8 @@ Index = NDArray[np.int64]
 
 #: Two facets touch face to face if their normals differ from opposite by less than about 25 degrees.
 _OPPOSITE = -0.9
+#: Share of the wall's thickness by which a facet is moved to see whether it comes nearer.
+_PROBE = 1e-5
 #: Share of the middle half of a wall, at its ends, whose points do not count: round-off would decide where they lie.
 _BORDER = 1e-6
 
@@ -82,7 +84,7 @@ def find_facing(walls: Surface, tolerance: Reach, reach: Reach = 0.0) -> FacingW
     reach : float or array of float, shape (bodies,)
         Distance, or depth, up to which facets of bodies that touch nowhere face each other [length].
     """
-    touching = _within(walls, tolerance)
+    touching = _facing_ahead(walls, _within(walls, tolerance))
     further = _within(walls, reach) if np.max(reach) > np.min(tolerance) else touching[:0]
     count = int(walls.body.max(initial=0)) + 1
     known = np.isin(_pair_numbers(walls, further, count), _pair_numbers(walls, touching, count))
@@ -108,6 +110,19 @@ def _within(walls: Surface, distance: Reach) -> Index:
     gap = nearest_on_body(walls, walls.rest, walls.centres(walls.rest)[found[:, 0]], found[:, 1])
     within = np.minimum(of_body[walls.body[found[:, 0]]], of_body[found[:, 1]])
     return np.asarray(found[np.abs(gap) <= within])
+
+
+def _facing_ahead(walls: Surface, found: Index) -> Index:
+    """Return the rows of facets and bodies whose facet comes nearer to the body along its own normal.
+
+    Where four cells meet, facets next to the corner that are shorter than the tolerance touch the cell across, too; but
+    that one lies beside them.
+    """
+    facet, body = found.T
+    centre, normal = walls.centres(walls.rest)[facet], walls.chord_normals(walls.rest)[facet]
+    step = _PROBE * walls.thickness[walls.body[facet]]
+    gap, ahead = (nearest_on_body(walls, walls.rest, centre + by[:, None] * normal, body) for by in (0 * step, step))
+    return np.asarray(found[gap - ahead > step / 2])
 
 
 def _pair_numbers(walls: Surface, found: Index, count: int) -> Index:

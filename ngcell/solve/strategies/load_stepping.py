@@ -141,6 +141,9 @@ class _Path:
         """Return where a step leads, or None if it is too long."""
         start = self._stand(place.minimum.state, place.load)
         towards = self._followed(start.state.displacement, goal)
+        if towards is None:
+            _log.info("step to %.6g: bodies run ahead of their supports", goal)
+            return None
         self._released.apply(goal)
         moved = self._stand(self._problem.at(towards), goal)
         if np.isfinite(moved.state.energy):
@@ -184,16 +187,23 @@ class _Path:
         force = self._problem.gradient(state) if np.isfinite(state.energy) else np.zeros(0)
         return _Stand(state, force, self._problem.drives(state.displacement, load))
 
-    def _followed(self, displacement: Array, goal: float) -> Array:
-        """Return where the bodies are when the supports have moved, held back where they would run ahead."""
+    def _followed(self, displacement: Array, goal: float) -> Array | None:
+        """Return where the bodies are when the supports have moved, held back where they would run ahead.
+
+        None where nothing holds them back, as where walls are pressed on a corner: there a larger weight of the
+        proximal term sends them further.
+        """
         imposed = self._motion.imposed(displacement, goal)
-        weight = self._released.path.last_proximal(displacement).weight
+        weight, nearest = self._released.path.last_proximal(displacement).weight, np.inf
         limit = self._options.farthest * max(self._minimiser.longest_step, float(np.abs(imposed - displacement).max()))
         while True:
             towards = self._minimiser.predict(displacement, imposed, weight)
-            if float(np.abs(towards - displacement).max()) <= limit:
+            farthest = float(np.abs(towards - displacement).max())
+            if farthest <= limit:
                 return towards
-            weight *= 100
+            if not farthest < nearest:
+                return None
+            weight, nearest = 100 * weight, farthest
 
 
 def _unexplained(one: _Stand, two: _Stand, way: Array, quiet: float) -> float:
