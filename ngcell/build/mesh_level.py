@@ -184,7 +184,7 @@ class Level(Generic[Scene]):
         minimiser.forget_matrix()
         minimiser.problem.apply(led.accepted.load_factor)
         minimiser.problem.start_from(led.problem, state)
-        path = self._released.path if led.accepted.minimum.proximal.weight else None
+        path = self._released.path.handing_over() if led.accepted.minimum.proximal.weight else None
         length, options = self._released.longest_step, self.simulation.options.solver
         return settled((minimiser,), state.displacement, length=length, options=options, path=path)
 

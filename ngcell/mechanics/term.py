@@ -232,6 +232,10 @@ class Term(ABC):
         """
         return 0.0, 0.0
 
+    def note_kinks(self, at: Configuration) -> bool:
+        """Change the energy of other places where its kinks would hold up steps from here, and tell whether it has."""
+        return False
+
     def increase_penalty(self) -> None:
         """Make `update_multipliers` miss less each time, at the price of an energy that is harder to minimise."""
 

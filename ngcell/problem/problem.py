@@ -225,6 +225,11 @@ class Problem:
                 beside += term.value(at) - term.unstored(at)
         return in_bodies, beside
 
+    def note_kinks(self, state: State) -> bool:
+        """Let terms change their energy of other places where its kinks would hold up steps from here; tell whether any
+        has."""
+        return any([term.note_kinks(state.at) for term in self.terms])
+
     def increase_penalty(self) -> None:
         """Let multipliers be updated in larger steps."""
         for term in self.terms:

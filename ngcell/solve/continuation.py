@@ -39,7 +39,7 @@ from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.options import ContinuationOptions
 from ngcell.solve.problem import State
 from ngcell.solve.proximal import ProximalTerm
-from ngcell.solve.recentred import at_rest, balanced, minimised, recentred
+from ngcell.solve.recentred import at_rest, minimised, pull_on_bodies, recentred
 
 Array = NDArray[np.float64]
 
@@ -155,6 +155,12 @@ class Continuation:
             weight = max(weight / 10**decades, milestone)
         return minimum, enough
 
+    def handing_over(self) -> Continuation:
+        """Return the continuation by which multipliers take over from a penalty: walls are held so that they stay at
+        its equilibrium, or slide on in small steps, and the weight stays."""
+        weight = self.options.handover
+        return replace(self, options=replace(self.options, recentred=weight, last=weight))
+
     def last_proximal(self, centre: Array) -> ProximalTerm:
         """Return the proximal term at the path's end, however far that goes."""
         return self._proximal(self.options.last, centre)
@@ -165,13 +171,26 @@ class Continuation:
 
 
 def rested(minimiser: Minimiser, minimum: Minimum, path: Continuation) -> Minimum:
-    """Return the equilibrium beside a minimum: only contact and supports hold bodies, as their conditions demand."""
-    if not minimum.is_found:
-        return minimum
-    minimum, to_fall = balanced(minimiser, minimum, path.scale, path.options), minimum.to_fall
-    if not minimum.is_found:
-        return minimum
-    return replace(until_conditions_hold(minimiser, minimum, minimiser.longest_step, path.options), to_fall=to_fall)
+    """Return the equilibrium beside a minimum: conditions of contact hold, and the proximal force is no more than a
+    certificate allows.
+
+    As long as it is more, the minimum is the next centre; where that takes less than half of the pull away, the weight
+    is lowered.
+    """
+    options, before, to_fall = path.options, float("inf"), minimum.to_fall
+    while minimum.is_found:
+        minimum = until_conditions_hold(minimiser, minimum, minimiser.longest_step, options)
+        weight = minimum.proximal.weight
+        if not minimum.is_found or weight <= path.scale * options.last:
+            break
+        pull = pull_on_bodies(minimiser, minimum, options.allowed)
+        if pull <= 1:
+            break
+        _log.info("the proximal force is %.2g times what is allowed", pull)
+        is_slow = pull > options.nearly_allowed or pull > before / 2
+        weight, before = (weight / 10, float("inf")) if is_slow else (weight, pull)
+        minimum = at_rest(minimiser, minimum, weight / options.recentred, options, options.refined)
+    return replace(minimum, to_fall=to_fall)
 
 
 def until_conditions_hold(

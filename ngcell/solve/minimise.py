@@ -93,6 +93,8 @@ class Minimiser:
             state, damping, decrement = advance.state, advance.damping, advance.decrement
             if not advance.was_damped and (decrement <= tolerance or self._is_lost(state, decrement)):
                 return Minimum(state, Ending.CONVERGED, decrement, proximal)
+            if self.problem.note_kinks(state):
+                state = self._at(state.displacement)
             progress.note(decrement, total, self.effort.refusals > refusals)
             if progress.creeps(self._total(state, proximal), tolerance):
                 return Minimum(state, Ending.STALLED, decrement, proximal)

@@ -113,6 +113,9 @@ class ContinuationOptions:
         the same weight may do.
     only_leads : bool
         Whether the end of the path only leads to equilibria on finer meshes.
+    handover : float
+        Weight from which multipliers take over from a penalty: without its overlaps walls slide on, far for little
+        energy.
     hardly_strained : float
         Strain below which the energy is told from nothing no more.
     first_overlapping : float
@@ -158,6 +161,7 @@ class ContinuationOptions:
     allowed_of_accuracy: float = 0.09
     nearly_allowed: float = 2.0
     only_leads: bool = False
+    handover: float = 3e-3
     hardly_strained: float = 1e-5
     first_overlapping: float = 1.0
     narrowest: float = 0.5

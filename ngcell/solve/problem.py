@@ -129,6 +129,9 @@ class Problem(Protocol):
         """Update multipliers at an equilibrium; return the gap [length] by which it misses conditions that the
         energy only approaches, and the energy that stands for what is missed; zeros where there are none."""
 
+    def note_kinks(self, state: Any) -> bool:
+        """Change the energy of other places where its kinks would hold up steps from here, and tell whether it has."""
+
     def increase_penalty(self) -> None:
         """Make updates miss less each time, at the price of an energy that is harder to minimise."""
 

@@ -2,9 +2,8 @@
 
 Each minimum is the centre of the next proximal term (Rockafellar 1976, doi:10.1137/0314056), so that bodies that
 nothing holds stay, and no proximal force is left in the end. `recentred` goes on until the energy hardly falls any
-more; `at_rest` goes down to round-off, and `balanced` on to where the proximal force is no more than allowed. Round-off
-is reached under a weight that holds what rattles: under a vanishing one the same digits take several times the
-iterations, since cells that are free slide along others for nothing.
+more; `at_rest` goes down to round-off. That is reached under a weight that holds what rattles: under a vanishing one
+the same digits take several times the iterations, since cells that are free slide along others for nothing.
 """
 
 from __future__ import annotations
@@ -46,7 +45,7 @@ def recentred(minimiser: Minimiser, start: Array, weight: float, options: Contin
         weight = max(proximal.weight / 10, scale * options.last) if ratio > options.idle else proximal.weight
         proximal = ProximalTerm(weight, minimum.state.displacement)
         to_fall = fallen / (1 - min(max(ratio, 0.0), options.idle))
-        if to_fall <= sufficient and _pull(minimiser, minimum, options.felt) <= 1:
+        if to_fall <= sufficient and pull_on_bodies(minimiser, minimum, options.felt) <= 1:
             break
     return replace(minimum, to_fall=to_fall)
 
@@ -62,25 +61,6 @@ def at_rest(
     enough = share * max(abs(minimum.state.energy), _nothing(minimiser, options))
     found, _ = minimised(minimiser, place, ProximalTerm(weight, place), 0.0, options.recentred, enough)
     return replace(found, to_fall=minimum.to_fall)
-
-
-def balanced(minimiser: Minimiser, minimum: Minimum, scale: float, options: ContinuationOptions) -> Minimum:
-    """Return the equilibrium beside a minimum: one whose proximal force is no more than a certificate allows.
-
-    As long as it is more, the minimum is the next centre; where that takes less than half of the pull away, the weight
-    is lowered.
-    """
-    before, to_fall = float("inf"), minimum.to_fall
-    while minimum.is_found and minimum.proximal.weight > scale * options.last:
-        pull = _pull(minimiser, minimum, options.allowed)
-        if pull <= 1:
-            break
-        _log.info("the proximal force is %.2g times what is allowed", pull)
-        is_slow = pull > options.nearly_allowed or pull > before / 2
-        weight = minimum.proximal.weight / (10 if is_slow else 1)
-        minimum = at_rest(minimiser, minimum, weight / options.recentred, options, options.refined)
-        before = float("inf") if is_slow else pull
-    return replace(minimum, to_fall=to_fall)
 
 
 def minimised(
@@ -118,7 +98,7 @@ def _nothing(minimiser: Minimiser, options: ContinuationOptions) -> float:
     return options.hardly_strained**2 * minimiser.energy_scale
 
 
-def _pull(minimiser: Minimiser, minimum: Minimum, share: float) -> float:
+def pull_on_bodies(minimiser: Minimiser, minimum: Minimum, share: float) -> float:
     """Return the pull of the proximal term on a body, or on all together, over what is felt: a share of the largest
     force on a body."""
     problem, state = minimiser.problem, minimum.state

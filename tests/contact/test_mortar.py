@@ -7,10 +7,12 @@ from functools import cached_property
 
 import numpy as np
 import pytest
+from scipy import optimize, sparse
 
 from ngcell.contact.methods.mortar import MortarContact
 from ngcell.contact.methods.mortar_set import MortarSet
-from ngcell.contact.methods.penalty import penalty_stiffness
+from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
+from ngcell.contact.methods.pressures_alike import nodal_forces, pressures_alike
 from ngcell.contact.methods.terms import ContactTerm
 from ngcell.mechanics.term import Role
 from ngcell.problem.problem import Problem
@@ -221,6 +223,41 @@ def test_updated_pressures_are_what_the_penalty_terms_press_with(order):
     # Penalty terms add as much again, with the overlaps that are still there.
     harder = pair.problem.force(pair.problem.at(state.displacement).at, Role.INTERACTION)
     assert np.abs(harder).sum() > np.abs(force).sum()
+
+
+def test_only_penalty_terms_that_miss_most_are_stiffened():
+    pair, _, contact, positions = pressed_pair(2)
+    pair.contact.update_multipliers(contact, positions, NOTHING)
+    missed = np.abs(contact.pressures(positions) - contact.pressure) / contact.stiffness
+    pair.contact.increase_penalty()
+    stiffened = pair.contact.pair(positions).stiffness / contact.stiffness
+    np.testing.assert_allclose(stiffened, np.where(missed > missed.max() / 10, 10.0, 1.0), rtol=1e-12)
+    assert set(np.round(stiffened)) == {1, 10}
+
+
+@pytest.mark.parametrize("order", ORDERS)
+def test_multipliers_begin_with_the_forces_of_a_penalty(order):
+    """Among them those at corners, which no function of the pressure represents."""
+    pair = cells(order)
+    at = pair.state(0.003, 0.8).displacement
+    positions = pair.tissue.positions(at)
+    penalty = PenaltyContact(pair.tissue.walls, 10 * pair.contact.stiffness, reach=2 * LONGEST_STEP)
+    forces = nodal_forces(penalty.pair(positions), positions)
+    pair.contact.follow(penalty, positions)
+    contact = pair.contact.pair(positions)
+    _, jacobian, _ = contact.penalty_terms(positions)
+    assert (contact.pressure >= 0).all() and (contact.pressure[contact.rows >= pair.contact.space.size] > 0).any()
+    begun = jacobian.T @ (contact.weight * contact.pressure)
+    assert np.linalg.norm(begun - forces) < 0.05 * np.linalg.norm(forces)
+
+
+def test_pressures_alike_are_least_squares_without_tension():
+    random = np.random.default_rng(3)
+    pulled, forces = random.standard_normal((30, 12)), random.standard_normal(30)
+    found = pressures_alike(sparse.csc_array(pulled), forces)
+    expected, _ = optimize.nnls(pulled, forces)
+    assert (expected == 0).any() and (expected > 0).any()
+    np.testing.assert_allclose(found, expected, atol=1e-3 * expected.max())
 
 
 @pytest.mark.parametrize("order", ORDERS)

@@ -59,6 +59,9 @@ class Bowls:
     def gaps(self, state: Place) -> tuple[np.ndarray, np.ndarray]:
         return np.zeros(0, dtype=np.int64), np.zeros(0)
 
+    def note_kinks(self, state: Place) -> bool:
+        return False
+
     def couplings(self, state: Place, margin: float) -> tuple[np.ndarray, np.ndarray]:
         return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
 

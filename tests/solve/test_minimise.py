@@ -81,6 +81,9 @@ class Landscape:
         gap = np.array([self.stop - state.displacement[0]] if np.isfinite(self.stop) else [])
         return np.arange(len(gap)), gap
 
+    def note_kinks(self, state: Point) -> bool:
+        return False
+
     def couplings(self, state: Point, margin: float) -> tuple[np.ndarray, np.ndarray]:
         return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
 

@@ -15,10 +15,14 @@ rest. Surfaces of order 1 are polygons that stand for what bends; their sagitta 
 hands over to the mortar method. The allowance falls with the mesh; it keeps point constraints out of smooth contact,
 where they would take pressure from walls.
 
+Between two edges at a concave joint a point comes to rest where its gap has a kink: there both edges hold it, each with
+a multiplier (`ngcell.contact.methods.notches`).
+
 Conditions are met by the method of multipliers, a proximal form of the semismooth Newton (primal-dual active set)
 method: penalty terms ``stiffness min(0, gap - pressure / stiffness)^2 / 2`` have, at fixed pressures, an energy that
 the solver descends; the pressures of the penalty terms then become the new multipliers, until nothing changes. Penalty
-terms only set the pace: each update leaves a share of the gaps that is about the walls' own stiffness over theirs.
+terms only set the pace: each update leaves a share of the gaps that is about the walls' own stiffness over theirs, and
+where it leaves most they are stiffened. Multipliers begin with the forces of the penalty that led there.
 
 Why this variant. Multipliers that are continuous and one order lower than the trace are stable beside it for any mesh
 of the other body, and Bernstein polynomials keep pressures positive; dual multipliers only pay where multipliers are
@@ -38,6 +42,8 @@ from ngcell.contact.gap.moving_ends import Cuts
 from ngcell.contact.methods.integration import integration
 from ngcell.contact.methods.mortar_set import MortarSet
 from ngcell.contact.methods.multipliers import MultiplierSpace, constrained_points, sagitta
+from ngcell.contact.methods.notches import Notches, extended
+from ngcell.contact.methods.pressures_alike import nodal_forces, pressures_alike
 from ngcell.contact.methods.protocol import ContactMethod, ContactSet
 from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
 from ngcell.contact.pairing.near import Reach, adjacency, facing
@@ -79,13 +85,14 @@ class MortarContact:
         self._integration = integration(walls, reach, self._rank, options.facing)
         constrained = constrained_points(walls)
         self._constrained_facet, self._bodies = constrained.facet, int(walls.body.max()) + 1
-        self._constrained = PairSearch(walls, constrained, reach)
+        self._constrained, self._notches = PairSearch(walls, constrained, reach), Notches(walls, constrained)
         self._allowance = self._allowed(walls.rest)
         self._weight = self._all_rows(self.space.weight, walls.depth[constrained.facet] ** (walls.dimension - 1))
         by_row = np.zeros(self.space.size)
         by_row[self.space.row] = stiffness[:, None]
         self._stiffness = self._all_rows(by_row, stiffness[constrained.facet])
-        self.multipliers, self._pace = np.zeros(len(self._weight)), 1.0
+        self.multipliers, self._missed = np.zeros((2, len(self._weight)))
+        self._pace = np.ones_like(self._weight)
 
     def _allowed(self, nodes: Array) -> Array:
         """Return what is added to the gaps of point constraints; the sagitta of polygons grows where they bend."""
@@ -96,39 +103,45 @@ class MortarContact:
         return self._all_rows(np.zeros(self.space.size), allowance[self._constrained_facet])
 
     def _all_rows(self, by_function: Array, by_point: Array) -> Array:
-        """Return values of all multipliers: functions first, then each point constraint with each body."""
-        return np.concatenate([by_function, np.repeat(by_point, self._bodies)])
+        """Return values of all multipliers: functions first, then each point constraint with each body, and with the
+        second edge of a notch there."""
+        by_body = np.repeat(by_point, self._bodies)
+        return np.concatenate([by_function, by_body, by_body])
 
     def follow(self, other: ContactMethod, positions: Array) -> None:
-        """Start from the pressures of another method at its equilibrium; point constraints start from none."""
-        self._integration.renew(self.walls.nodes(positions))
-        along, _ = self._integration.points(self.walls.nodes(positions))
-        by_facet = np.argsort(along.primary, kind="stable")
-        pressure = np.zeros(len(along))
-        points = SurfacePoints(along.primary[by_facet], along.primary_xi[by_facet], along.weight[by_facet])
-        pressure[by_facet] = other.pressures(positions, points)
-        rows = np.arange(self.space.size)
-        self._pace = 1.0
-        self._allowance = self._allowed(self.walls.nodes(positions))
-        self.multipliers = self._all_rows(self._shares(along, rows) @ pressure, np.zeros(len(self._constrained_facet)))
+        """Start from the forces of another method at its equilibrium."""
+        nodes = self.walls.nodes(positions)
+        self._integration.renew(nodes)
+        self._allowance = self._allowed(nodes)
+        self._pace, self.multipliers = np.ones_like(self._weight), np.zeros_like(self._weight)
+        self._notches.clear()
+        theirs, mine = other.pair(positions), self.pair(positions)
+        _, jacobian, _ = mine.penalty_terms(positions)
+        pulled = (sparse.diags_array(mine.weight) @ jacobian).T.tocsc()
+        overlaps = np.flatnonzero(mine.weighted_gaps(positions) < mine.allowance)
+        pressures = pressures_alike(pulled[:, overlaps], nodal_forces(theirs, positions))
+        self.multipliers[mine.rows[overlaps]] = pressures
 
     def pair(self, positions: Array) -> MortarSet:
         """Find all points of the rule and point constraints at `positions`, shape (dimension, scalar unknowns)."""
         nodes = self.walls.nodes(positions)
         along, ends = self._integration.points(nodes)
-        constrained = self._constrained.pairs(nodes)
-        pairs = joined([along, constrained])
+        constrained = self._notches.pairs(self._constrained.pairs(nodes), nodes)
+        pairs, held = joined([along, constrained]), len(along) + self._notches.held(constrained)
         rows, average = self._averages(along, constrained)
         return MortarSet(
-            kinematics=gap_kinematics(self.walls, pairs, positions),
+            kinematics=extended(self.walls, pairs, positions, held),
             cuts=None if ends is None else self._cuts(ends, rows, positions, nodes),
             rows=rows,
             average=average,
             allowance=self._allowance[rows],
             pressure=self.multipliers[rows],
-            stiffness=self._pace * self._stiffness[rows],
+            stiffness=(self._pace * self._stiffness)[rows],
             weight=self._weight[rows],
         )
+
+    def _point_row(self, point: Index, body: Index) -> Index:
+        return self.space.size + point * self._bodies + body
 
     def _cuts(self, ends: ContactPairs, rows: Index, positions: Array, nodes: Array) -> Cuts:
         (slope,) = self.walls.tangents(ends.primary, ends.primary_xi, nodes)
@@ -136,7 +149,7 @@ class MortarContact:
 
     def _averages(self, along: ContactPairs, constrained: ContactPairs) -> tuple[Index, sparse.csr_array]:
         """Return the multipliers that have points, and the share of each point in their gaps."""
-        point_row = self.space.size + constrained.point * self._bodies + self.walls.body[constrained.secondary]
+        point_row = self._point_row(constrained.point, self.walls.body[constrained.secondary])
         rows = np.unique(np.concatenate([self.space.row[along.primary].ravel(), point_row]))
         place = np.searchsorted(rows, point_row), np.arange(len(point_row))
         point_share = sparse.csr_array((np.ones(len(point_row)), place), shape=(len(rows), len(point_row)))
@@ -182,7 +195,8 @@ class MortarContact:
 
     def update_multipliers(self, contact: ContactSet, positions: Array, stored: StoredEnergy) -> tuple[float, float]:
         """Take the pressures of an equilibrium as multipliers; return the largest gap [length] that their change stands
-        for, and the energy of that change in the penalty terms [stress * length**2]."""
+        for, and the energy of that change in penalty terms of the stiffness that they have at first
+        [stress * length**2]: stiffer ones would count slivers of walls, which bear nothing."""
         assert isinstance(contact, MortarSet)
         if self._integration.renew(self.walls.nodes(positions)):
             contact = self.pair(positions)
@@ -190,11 +204,41 @@ class MortarContact:
         stiffness = self._pace * self._stiffness
         missed = np.abs(applied - self.multipliers) / stiffness
         self.multipliers = applied
-        return float(missed.max(initial=0.0)), float((stiffness * self._weight * missed**2).sum()) / 2
+        if self._leave_notches(contact, positions):
+            again = self._applied(self.pair(positions), positions)
+            missed = np.maximum(missed, np.abs(again - self.multipliers) / stiffness)
+        self._missed = missed
+        return float(missed.max(initial=0.0)), float((self._stiffness * self._weight * missed**2).sum()) / 2
+
+    def note_kinks(self, contact: ContactSet, positions: Array) -> bool:
+        """Let points that press near a notch be held by both of its edges."""
+        assert isinstance(contact, MortarSet)
+        pressure, first = contact.pressures(positions), np.searchsorted(contact.rows, self.space.size)
+        row = first + np.flatnonzero(pressure[first:])
+        held = self._point_row(self._notches.point, self._notches.bodies)
+        number = contact.rows[row]
+        new = (number < self.space.size + len(self._constrained_facet) * self._bodies) & ~np.isin(number, held)
+        row, number = row[new], number[new] - self.space.size
+        edge = contact.kinematics.pairs.secondary[contact.average.indices[contact.average.indptr[row]]]
+        return self._notches.found(number, number // self._bodies, edge, positions)
+
+    def _leave_notches(self, contact: MortarSet, positions: Array) -> bool:
+        """Release points that one edge of a notch alone holds; its pressure is that of the point then."""
+        if not len(self._notches):
+            return False
+        first = self._point_row(self._notches.point, self._notches.bodies)
+        rows = np.column_stack([first, first + len(self._constrained_facet) * self._bodies])
+        far, pressed = ~np.isin(rows[:, 1], contact.rows), self.multipliers[rows] / (self._pace * self._stiffness)[rows]
+        rows = rows[self._notches.left(far, pressed, positions)]
+        self.multipliers[rows[:, 0]] += self.multipliers[rows[:, 1]]
+        self.multipliers[rows[:, 1]] = 0
+        return len(rows) > 0
 
     def increase_penalty(self) -> None:
-        """Stiffen the penalty terms: the stiffness of confined walls is more than they were made for."""
-        self._pace = min(PENALTY_INCREASE * self._pace, MOST_INCREASE)
+        """Stiffen the penalty terms that have missed most: the stiffness of confined walls is more than they were made
+        for."""
+        slow = self._missed > self._missed.max(initial=0.0) / PENALTY_INCREASE
+        self._pace[slow] = np.minimum(PENALTY_INCREASE * self._pace[slow], MOST_INCREASE)
 
     def _applied(self, contact: MortarSet, positions: Array) -> Array:
         applied = np.zeros_like(self.multipliers)

@@ -236,6 +236,10 @@ class PenaltyContact:
         is_refined = self._is_refined[self.walls.body]
         return self.searching(chosen_points(finer, self.walls.quadrature, is_refined))
 
+    def note_kinks(self, contact: ContactSet, positions: Array) -> bool:
+        """Do nothing: a penalty lets points come to rest beside kinks."""
+        return False
+
     def increase_penalty(self) -> None:
         """Do nothing: penalty terms are stiffened as fast as they can be."""
 

@@ -97,5 +97,8 @@ class ContactMethod(Protocol):
         missed gaps; both are 0 where there is nothing to be updated.
         """
 
+    def note_kinks(self, contact: ContactSet, positions: Array) -> bool:
+        """Change the energy of other places where its kinks would hold up steps from here, and tell whether it has."""
+
     def increase_penalty(self) -> None:
         """Increase the penalty from now on, until the next `follow`."""

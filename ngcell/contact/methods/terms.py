@@ -100,6 +100,10 @@ class ContactTerm(Term):
         """Let the method update its pressures, or its penalty."""
         return self.method.update_multipliers(self.found(at), at.positions, stored)
 
+    def note_kinks(self, at: Configuration) -> bool:
+        """Let the method hold what comes to a kink of its gaps."""
+        return self.method.note_kinks(self.found(at), at.positions)
+
     def increase_penalty(self) -> None:
         """Let the method update in larger steps."""
         self.method.increase_penalty()
