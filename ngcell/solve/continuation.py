@@ -157,9 +157,9 @@ class Continuation:
 
     def handing_over(self) -> Continuation:
         """Return the continuation by which multipliers take over from a penalty: walls are held so that they stay at
-        its equilibrium, or slide on in small steps, and the weight stays."""
+        its equilibrium, or slide on in small steps."""
         weight = self.options.handover
-        return replace(self, options=replace(self.options, recentred=weight, last=weight))
+        return replace(self, options=replace(self.options, recentred=weight, last=self.options.recentred))
 
     def last_proximal(self, centre: Array) -> ProximalTerm:
         """Return the proximal term at the path's end, however far that goes."""

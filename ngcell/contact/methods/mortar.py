@@ -22,7 +22,8 @@ Conditions are met by the method of multipliers, a proximal form of the semismoo
 method: penalty terms ``stiffness min(0, gap - pressure / stiffness)^2 / 2`` have, at fixed pressures, an energy that
 the solver descends; the pressures of the penalty terms then become the new multipliers, until nothing changes. Penalty
 terms only set the pace: each update leaves a share of the gaps that is about the walls' own stiffness over theirs, and
-where it leaves most they are stiffened. Multipliers begin with the forces of the penalty that led there.
+where it leaves most they are stiffened. Multipliers begin with the pressures of the penalty that led there, those of
+point constraints with the forces that these leave.
 
 Why this variant. Multipliers that are continuous and one order lower than the trace are stable beside it for any mesh
 of the other body, and Bernstein polynomials keep pressures positive; dual multipliers only pay where multipliers are
@@ -109,7 +110,8 @@ class MortarContact:
         return np.concatenate([by_function, by_body, by_body])
 
     def follow(self, other: ContactMethod, positions: Array) -> None:
-        """Start from the forces of another method at its equilibrium."""
+        """Start from the pressures of another method at its equilibrium; point constraints from the forces that these
+        leave."""
         nodes = self.walls.nodes(positions)
         self._integration.renew(nodes)
         self._allowance = self._allowed(nodes)
@@ -119,8 +121,15 @@ class MortarContact:
         _, jacobian, _ = mine.penalty_terms(positions)
         pulled = (sparse.diags_array(mine.weight) @ jacobian).T.tocsc()
         overlaps = np.flatnonzero(mine.weighted_gaps(positions) < mine.allowance)
-        pressures = pressures_alike(pulled[:, overlaps], nodal_forces(theirs, positions))
-        self.multipliers[mine.rows[overlaps]] = pressures
+        along, _ = self._integration.points(nodes)
+        by_facet = np.argsort(along.primary, kind="stable")
+        pressure = np.zeros(len(along))
+        points = SurfacePoints(along.primary[by_facet], along.primary_xi[by_facet], along.weight[by_facet])
+        pressure[by_facet] = other.pressures(positions, points)
+        self.multipliers[: self.space.size] = self._shares(along, np.arange(self.space.size)) @ pressure
+        left = nodal_forces(theirs, positions) - pulled @ self.multipliers[mine.rows]
+        held = overlaps[mine.rows[overlaps] >= self.space.size]
+        self.multipliers[mine.rows[held]] = pressures_alike(pulled[:, held], left)
 
     def pair(self, positions: Array) -> MortarSet:
         """Find all points of the rule and point constraints at `positions`, shape (dimension, scalar unknowns)."""

@@ -1,7 +1,7 @@
 """Pressures whose forces are those of another contact method: where multipliers begin.
 
-A penalty holds tissues at corners, in points. Multipliers that began without those forces would let walls sink in until
-updates have found them, and slide on to other equilibria. So they are fitted to the forces on the nodes, by least
+A penalty holds tissues at corners, in points. Point constraints that began without those forces would let walls sink in
+until updates have found them, and slide on to other equilibria. So they are fitted to the forces on the nodes, by least
 squares among pressures that are not negative.
 """
 
