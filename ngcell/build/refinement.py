@@ -75,7 +75,8 @@ class Refinement(Generic[Scene]):
         It depends on the step alone, not on the meshes of steps before it.
         """
         found = self._refined(accepted)
-        return self._levels[found.level].stable(found) if self.estimates else found
+        is_new = found.accepted.minimum is not accepted.minimum  # the load path has told the curvature of its own
+        return self._levels[found.level].stable(found) if is_new else found
 
     def _refined(self, accepted: Accepted) -> Refined[Scene]:
         """Return a step on the mesh that it is reported on.
@@ -87,8 +88,6 @@ class Refinement(Generic[Scene]):
         reported = last = Refined(0, base, base.problem_of(accepted.phase), accepted, Errors(), is_judged)
         if not self.estimates:
             return last
-        if len(self._stages) > 1 and not self._stages[1].is_reported:
-            reported = last = self._levels[0].finished(last) or last
         found, refined = [_numbers(last)], list[Refining]()
         while (finer := self._next(last)) is not None:
             found.append(_numbers(finer))

@@ -110,15 +110,7 @@ class SymmetricMatrix:
     def multiply(self, values: Array, vector: Array) -> Array:
         """Return the product of the symmetric matrix with these values and a vector."""
         if values is not self._loaded:
-            self.load(values)
-        return self.product(vector)
-
-    def load(self, values: Array) -> None:
-        """Let `product` be that with these values."""
-        self._lower.data[:] = self._loaded = values
-
-    def product(self, vector: Array) -> Array:
-        """Return the product of the symmetric matrix with the values last loaded and a vector."""
+            self._lower.data[:] = self._loaded = values
         product = self._lower @ vector + self._upper @ vector
         product[self._diagonal_rows] -= self._lower.data[self._diagonal] * vector[self._diagonal_rows]
         return np.asarray(product)

@@ -10,8 +10,8 @@ estimated. `--small` has tissues of a dozen cells, of which all runs take an hou
 
 A row a run goes to `tools/results/kinds.csv`, those without a result included; runs that are there are not repeated,
 but for those that ran out of a shorter time. Result folders are kept in `out/kinds`. `tools/results/kinds.md` shows
-rows, and by how much the energies of both strategies differ where both are certified; `--show` writes it and runs
-nothing.
+rows, and by how much the energies of both strategies differ, with how many of the two are certified; `--show` writes it
+and runs nothing.
 """
 
 from __future__ import annotations
