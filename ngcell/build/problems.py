@@ -28,7 +28,6 @@ from ngcell.contact.pairing.facing import find_facing
 from ngcell.contact.pairing.near import Reach
 from ngcell.contact.surface.find import find_lumen_surface, find_surface
 from ngcell.contact.surface.lumens import LumenSurface
-from ngcell.mechanics.mixed import INCOMPRESSIBLE
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.symbolic import fused
 from ngcell.mechanics.term import Term
@@ -231,9 +230,10 @@ class Problems:
     def softer_in_bulk(self, count: int) -> tuple[Minimiser, ...]:
         """Return minimisers of released walls of smaller bulk moduli, with which a state from a coarser mesh goes on.
 
-        Their contact is the first of the last `count` stages. There are none where no wall needs the mixed method.
+        Their contact is the first of the last `count` stages. There are none where nothing needs the mixed method: its
+        volume is free between the points of the coarser mesh.
         """
-        is_needed = max(term.incompressibility for term in self._terms) > INCOMPRESSIBLE
+        is_needed = any(term.mixed_incompressibility for term in self._terms)
         stages = self._softened_from(self.options.solver.transferred_bulk) if is_needed else []
         problems = (self._released_problem(terms, self._contacts[-count]) for terms in stages)
         return tuple(self._minimiser(problem, self.longest_step) for problem in problems)

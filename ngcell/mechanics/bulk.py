@@ -106,6 +106,12 @@ class BodyEnergy(SymbolicTerm):
         """Largest ratio of bulk to shear modulus."""
         return max(law.bulk_modulus / law.shear_modulus for law in self.laws)
 
+    @property
+    def mixed_incompressibility(self) -> float:
+        """Largest ratio of bulk to shear modulus of bodies that are mixed; 0 where there are none."""
+        given = zip(self.laws, self.mixed, strict=True)
+        return max((law.bulk_modulus / law.shear_modulus for law, is_mixed in given if is_mixed), default=0.0)
+
     def softened(self, ratio: float) -> BodyEnergy:
         """Return the energy with bulk moduli of at most `ratio` times the shear moduli."""
         return BodyEnergy(self.space, [law.softened(ratio) for law in self.laws], self._direction, mixed=self.mixed)
@@ -158,6 +164,11 @@ class InclusionEnergy(SymbolicTerm):
     def incompressibility(self) -> float:
         """Ratio of bulk to shear modulus."""
         return self.law.bulk_modulus / self.law.shear_modulus
+
+    @property
+    def mixed_incompressibility(self) -> float:
+        """The same: what fills lumens is always mixed."""
+        return self.incompressibility
 
     def softened(self, ratio: float) -> InclusionEnergy:
         """Return the energy with a bulk modulus of at most `ratio` times the shear modulus."""

@@ -184,6 +184,11 @@ class Term(ABC):
         """Largest ratio of bulk to shear modulus in the term; 0 where it has none."""
         return 0.0
 
+    @property
+    def mixed_incompressibility(self) -> float:
+        """That of what has the volumetric energy of the mixed method; see `ngcell.mechanics.mixed`."""
+        return 0.0
+
     def softened(self, ratio: float) -> Term:
         """Return the term with bulk moduli of at most `ratio` times the shear moduli, for a continuation in these."""
         return self

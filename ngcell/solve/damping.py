@@ -73,6 +73,20 @@ class Damper:
         raised = np.maximum(self.options.raise_by * damping, felt)
         return np.where(at_fault, np.minimum(raised, _LARGEST), damping)
 
+    def shortened(self, damping: Array, step: Array, slope: float) -> Array:
+        """Return the damping after a step of which little is left, since some bodies would go too far.
+
+        It is raised in those that the cut step still moves by more than the share that is left, which would go too far
+        themselves, so that they go as far as the cut step does. The model hardly holds them, as where the pressure
+        in a filling is far from balanced. Parameters as for `raised`.
+        """
+        longest = np.zeros_like(damping)
+        np.maximum.at(longest, self.part, np.abs(step))
+        far = longest > self.options.short * longest.max()
+        needed = abs(slope) / max(float(self._way(step)[far].sum()), float(np.finfo(float).tiny))
+        raised = np.maximum(self.options.raise_by * damping, needed)
+        return np.where(far, np.minimum(raised, _LARGEST), damping)
+
     def relaxed(self, damping: Array, step: Array, slope: float, lacking: Array, quality: float) -> Array:
         """Return the damping after an accepted step; parameters as for `raised`."""
         unfelt = self.options.unfelt * abs(slope) / np.maximum(self._way(step), np.finfo(float).tiny)

@@ -4,8 +4,9 @@ Each iteration minimises the second-order model of the energy plus ``damping/2 |
 if the energy falls by a fair share of what the model foresaw; if not, or if the model is not convex along it, the
 damping is raised, in the bodies where the model fails (`ngcell.solve.damping`), and the model, still at hand, is
 minimised again. The damping falls with every good step and is exactly zero at the end, so it leaves no trace in the
-result. No component of a step is longer than `longest_step`: half
-of the distance in which contact is searched, so that no wall is passed unseen.
+result. No component of a step is longer than `longest_step`: half of the distance in which contact is searched, so that
+no wall is passed unseen. A step that is too long is cut; where little would be left of it, the bodies that would move
+too far are damped instead, and the others move on.
 
 Near the minimum differences of energies drown in round-off. There the model alone is trusted.
 """
@@ -186,8 +187,8 @@ class Minimiser:
     def _ending_of_stall(self, state: State, proximal: ProximalTerm) -> Ending:
         """Return what iterations that lead nowhere mean: damping makes decrements small, whatever the forces are."""
         model, matrix = self.assembly.model(state, self.problem.linearise(state), proximal)
-        step, change = self._step(model, matrix)
-        is_balanced = change <= 0 and -float(model.full_gradient @ step) <= self._unseen(state)
+        step, change, share = self._step(model, matrix)
+        is_balanced = change <= 0 and -float(model.full_gradient @ step) / share <= self._unseen(state)
         return Ending.STALLED if is_balanced else Ending.NO_DESCENT
 
     def _at(self, displacement: Array) -> State:
@@ -208,12 +209,19 @@ class Minimiser:
         is_last = False
         for _ in range(self.options.most_refusals):
             model = self.assembly.damped(undamped, damping)
-            step, change = self._step(model, matrix)
+            step, change, share = self._step(model, matrix)
             slope, lacking = float(model.full_gradient @ step), self._damper.none
-            if change <= 0 and slope <= 0:
+            decrement = -slope / share
+            is_convex = change <= 0 and slope <= 0
+            is_last = is_last or (is_convex and not damping.any() and decrement <= tolerance)
+            if is_convex and share < self.options.short:
+                damping = self._damper.shortened(damping, step, slope)
+                self.effort.refusals += 1
+                continue
+            if is_convex:
                 trial, gain = self._tried(state, step, proximal, energy)
                 if -lost < change and -lost < gain:
-                    return Advance(trial, self._damper.none, -slope, bool(damping.any()))
+                    return Advance(trial, self._damper.none, decrement, bool(damping.any()))
                 least = self.options.poor * -change
                 if gain <= least:
                     bent = self._bent(line, (model, matrix), step, trial, least - gain)
@@ -221,10 +229,9 @@ class Minimiser:
                     trial, gain = again if again[1] > least else (trial, gain)
                 if np.isfinite(trial.energy) and gain < self.options.fair * -change:
                     lacking = self._lacking(undamped, matrix, step, trial, proximal)
-                is_last = is_last or (not damping.any() and -slope <= tolerance)
                 if change < 0 and gain > least:
                     relaxed = self._damper.relaxed(damping, step, slope, lacking, gain / -change)
-                    return Advance(trial, relaxed, -slope, bool(damping.any()) and not is_last)
+                    return Advance(trial, relaxed, decrement, bool(damping.any()) and not is_last)
             damping = self._damper.raised(damping, step, slope, lacking)
             self.effort.refusals += 1
         return None
@@ -256,19 +263,22 @@ class Minimiser:
             return None
         if model.stored(foreseen + surplus) - model.stored(foreseen) <= lacking:
             return None
-        bent, change = self._step(replace(model, gap=model.gap + surplus), matrix)
+        bent, change, _ = self._step(replace(model, gap=model.gap + surplus), matrix)
         return bent if change <= 0 else None
 
-    def _step(self, model: OneSidedModel, matrix: Matrix) -> tuple[Array, float]:
-        """Return a step no longer than allowed, and the change of the model."""
+    def _step(self, model: OneSidedModel, matrix: Matrix) -> tuple[Array, float, float]:
+        """Return a step no longer than allowed, the change of the model, and the share of the whole step that it is.
+
+        It is the decrement of the whole step that tells how far the minimum is: that of a short one is small anywhere.
+        """
         with self.clock.phase("factorisation"):
             step, change, rounds = minimise_one_sided(model, matrix, self.options.inner)
         self.effort.factorisations += rounds
-        longest = float(np.abs(step).max())
-        if longest > self.longest_step:
-            step = step * (self.longest_step / longest)
+        share = min(self.longest_step / max(float(np.abs(step).max()), float(np.finfo(float).tiny)), 1.0)
+        if share < 1:
+            step = share * step
             change = model.change(step, matrix.multiply(model.stiffness, step), model.jacobian @ step)
-        return step, change
+        return step, change, share
 
     def _lacking(
         self, model: OneSidedModel, matrix: Matrix, step: Array, trial: State, proximal: ProximalTerm

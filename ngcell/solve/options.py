@@ -39,6 +39,8 @@ class MinimiserOptions:
         Share of the foreseen decrease below which a step is refused, and above which the damping falls.
     raise_by, nudge_by, lower_by : float
         Factors of the damping after a refused, a poor and a good step.
+    short : float
+        Share of a step below which it is not cut to the longest step, but damped in the bodies that go too far.
     felt, unfelt : float
         Shares of a step's slope at which damping is felt along the step, and at which it is not.
     round_off, no_decrement : float
@@ -71,6 +73,7 @@ class MinimiserOptions:
     raise_by: float = 8.0
     nudge_by: float = 2.0
     lower_by: float = 0.1
+    short: float = 0.1
     felt: float = 0.1
     unfelt: float = 1e-4
     round_off: float = 1e-13

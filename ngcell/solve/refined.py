@@ -54,7 +54,7 @@ def settled(
     refined, weight = options.continuation.refined, 0.0 if path is None else path.scale * path.options.recentred
     for minimiser in softer:
         held = ProximalTerm(weight, start)
-        minimum = minimiser.minimise(start, held, refined * abs(minimiser.problem.at(start).energy))
+        minimum = minimiser.minimise(start, held, options.handed_on * abs(minimiser.problem.at(start).energy))
         if not minimum.is_found:
             return minimum
         start = minimum.state.displacement

@@ -126,6 +126,14 @@ def test_fluids_keep_the_areas_of_their_lumens_on_the_finer_mesh():
     assert all(row.pressure != 0 for row in step.cells)
 
 
+def test_fillings_find_back_to_their_volume_on_finer_meshes():
+    """Taken over as they are, with the pressure that they have between the points of the coarser mesh, it is 270."""
+    filled = "lumen={kind='inclusion', material={kind='mooney-rivlin', c1=0.001, c2=0.0, bulk_modulus=1.0}}"
+    *_, step = steps(filled)
+    assert step.record.certified and step.record.energy_error < 0.01 * step.record.energy
+    assert step.record.factorisations < 150
+
+
 def test_the_mortar_is_refined_as_well_and_stores_what_the_penalty_does_up_to_the_errors_of_both():
     mortar, penalty = steps("contact.kind=mortar")[-1], steps()[-1]
     assert failures(mortar) == ()

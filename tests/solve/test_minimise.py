@@ -159,6 +159,14 @@ def test_no_step_is_longer_than_allowed():
     assert moves.max() <= 0.25 * (1 + 1e-12)
 
 
+def test_a_step_that_was_cut_does_not_count_as_the_last_for_being_short():
+    """The bowl's minimum is far away: a cut step changes its energy by 7.5, the whole one by half of 900."""
+    problem = Landscape(free=np.array([False, True, False]))
+    minimum = descend(problem, (1.0, 30.0, 0.0), longest_step=0.25, tolerance=10.0)
+    assert minimum.ending is Ending.CONVERGED
+    assert minimum.decrement <= 10.0 and minimum.state.displacement[1] < np.sqrt(10.0)
+
+
 def test_states_without_energy_are_never_accepted():
     problem = Landscape(tilt=0.0, free=np.array([True, True, False]))
     steep = descend(problem, (-0.58, 0.0, 0.0), longest_step=np.inf)  # the first Newton step would fly off
