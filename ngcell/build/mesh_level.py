@@ -10,7 +10,6 @@ from typing import Generic, Protocol, TypeVar, cast
 
 from ngcell.build.options import Options
 from ngcell.clock import Clock
-from ngcell.contact.methods.terms import ContactTerm
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.mechanics.term import Array
@@ -127,8 +126,7 @@ class Level(Generic[Scene]):
     @property
     def has_multipliers(self) -> bool:
         """Whether contact pressures are unknowns, to which a penalty leads."""
-        terms = self.simulation.problem_of("released").terms
-        return any(isinstance(term, ContactTerm) and term.has_multipliers for term in terms)
+        return self.simulation.problem_of("released").has_multipliers
 
     def settled(self, coarse: Refined[Scene], *, only_leads: bool = False) -> Refined[Scene] | None:
         """Return a step on this mesh that was found on the one before; None where it finds no equilibrium.
@@ -181,6 +179,7 @@ class Level(Generic[Scene]):
     def _by_meant_contact(self, led: Refined[Scene]) -> Minimum:
         """Return the minimum by the contact that is meant, beside one by a contact that only leads to it."""
         minimiser, state = self._released.minimisers[-1], cast(State, led.accepted.minimum.state)
+        minimiser.adopt_matrix(self._released.minimisers[-2])
         minimiser.forget_matrix()
         minimiser.problem.apply(led.accepted.load_factor)
         minimiser.problem.start_from(led.problem, state)

@@ -21,7 +21,8 @@ class ContactOptions:
     allowed : float
         How deep a point constraint of the mortar method may sink in, as a share of the size of its facet, > 0.
     penalty_multiple : float
-        Stiffness of the penalty method that is meant, > 0.
+        Stiffness of the penalty method that is meant, > 0, and of the one from which the mortar method takes over: as
+        stiff as the accuracy asks, so that the equilibria on finer meshes are those of the penalty method.
     path_multiple : float
         Stiffness with which continuation paths are followed, > 0: as stiff as the layer behind the wall, it costs a
         third of the iterations.
@@ -32,9 +33,6 @@ class ContactOptions:
     mortar_multiple : float
         Stiffness of the mortar method, > 0. The result does not depend on it: softer terms need more updates of the
         multipliers, stiffer ones more steps to each.
-    handover_multiple : float
-        Stiffness of the last penalty method before the mortar method takes over, > 0: walls overlap so little that they
-        do not jump apart.
     only_leads : bool
         Whether equilibria only lead to those on finer meshes: then a penalty stands for the mortar method.
     """
@@ -47,7 +45,6 @@ class ContactOptions:
     stored: float = 0.01
     stage_factor: float = 10.0
     mortar_multiple: float = 3.0
-    handover_multiple: float = 3.0
     only_leads: bool = False
 
     def path_multiples(self, meant: float) -> list[float]:

@@ -76,12 +76,15 @@ class OneSided:
         Stiffness [stress * length**(dimension - 2)].
     keys : array of int, shape (n,)
         What tells the same penalty term in different configurations; each occurs once.
+    lowered : array of float, shape (n,), or None
+        By how much multipliers lower gaps [length]: pressures over stiffness; NaN at penalty terms without one.
     """
 
     gap: Array
     jacobian: sparse.csr_array
     penalty: Array
     keys: Index
+    lowered: Array | None = None
 
     @property
     def gradient(self) -> Array:
@@ -236,6 +239,9 @@ class Term(ABC):
         for it; zeros where there are none.
         """
         return 0.0, 0.0
+
+    def take_multipliers(self, keys: Index, lowered: Array) -> None:
+        """Take these as multipliers from now on, where they are foreseen; see `OneSided`."""
 
     def note_kinks(self, at: Configuration) -> bool:
         """Change the energy of other places where its kinks would hold up steps from here, and tell whether it has."""

@@ -108,6 +108,10 @@ class Problem:
         """Return the gradient of the whole energy, shape (unknowns,)."""
         return self.unknowns.gather(_total(_whole_gradient(term, state.at) for term in self._sum))
 
+    def gradient_of_constraints(self, state: State) -> Array:
+        """Return the part of it that is due to one-sided constraints."""
+        return self.unknowns.gather(self._constraints(state.at).gradient)
+
     def force(self, at: Configuration, role: Role) -> Array:
         """Return the sum of the gradients of all terms with a role, on all unknowns, shape (unknowns,)."""
         found = [_whole_gradient(term, at) for term in self.terms if term.role is role]
@@ -118,7 +122,8 @@ class Problem:
         at = state.at
         gradient = self.unknowns.gather(_total(term.gradient(at) for term in self._sum))
         _ = self.pattern
-        stiffness = np.concatenate([term.tangent(at) for term in self._sum])
+        tangents = [tangent for term in self._sum if len(tangent := term.tangent(at))]
+        stiffness = tangents[0] if len(tangents) == 1 else np.concatenate([np.zeros(0), *tangents])
         if self._factors is not None:
             stiffness = stiffness * self._factors
         curved = [curvature for term in self._sum if (curvature := term.curvature(at)) is not None]
@@ -135,12 +140,14 @@ class Problem:
         if len(found) == 1:
             return replace(found[0][1], keys=keys[0])
         nothing = np.zeros(0)
+        lowered = [np.full(len(part.gap), np.nan) if part.lowered is None else part.lowered for _, part in found]
         rows = [sparse.csr_array((0, self.space.unknowns)), *(part.jacobian for _, part in found)]
         return OneSided(
             np.concatenate([nothing, *(part.gap for _, part in found)]),
             sparse.vstack(rows, format="csr"),
             np.concatenate([nothing, *(part.penalty for _, part in found)]),
             np.concatenate([nothing.astype(np.int64), *keys]),
+            np.concatenate([nothing, *lowered]),
         )
 
     def gaps(self, state: State) -> tuple[Index, Array]:
@@ -224,6 +231,18 @@ class Problem:
             elif term.role is not Role.INTERACTION:
                 beside += term.value(at) - term.unstored(at)
         return in_bodies, beside
+
+    @property
+    def has_multipliers(self) -> bool:
+        """Whether pressures are unknowns of their own, whose multipliers lower gaps."""
+        return any(getattr(term, "has_multipliers", False) for term in self.terms)
+
+    def take_multipliers(self, keys: Index, lowered: Array) -> None:
+        """Let terms take multipliers that are foreseen, told by `Linearisation.keys` and by how much they lower gaps.
+        """
+        number = keys % len(self._sum)
+        for of in np.unique(number).tolist():
+            self._sum[of].take_multipliers(keys[number == of] // len(self._sum), lowered[number == of])
 
     def note_kinks(self, state: State) -> bool:
         """Let terms change their energy of other places where its kinks would hold up steps from here; tell whether any

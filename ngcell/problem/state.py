@@ -77,6 +77,11 @@ class Linearisation:
         return self.constraints.penalty
 
     @property
+    def lowered(self) -> Array | None:
+        """By how much multipliers lower their gaps [length]; NaN where a constraint has none, None where no one has."""
+        return self.constraints.lowered
+
+    @property
     def keys(self) -> Index:
         """What tells the constraints of different states apart."""
         return self.constraints.keys

@@ -34,6 +34,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.solve.foreseen import with_foreseen_multipliers
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.options import ContinuationOptions
@@ -158,8 +159,9 @@ class Continuation:
     def handing_over(self) -> Continuation:
         """Return the continuation by which multipliers take over from a penalty: walls are held so that they stay at
         its equilibrium, or slide on in small steps."""
-        weight = self.options.handover
-        return replace(self, options=replace(self.options, recentred=weight, last=self.options.recentred))
+        mine = self.options
+        weights = replace(mine, recentred=mine.handover, last=mine.recentred, idle_at_last=mine.handover_idle)
+        return replace(self, options=weights)
 
     def last_proximal(self, centre: Array) -> ProximalTerm:
         """Return the proximal term at the path's end, however far that goes."""
@@ -207,18 +209,20 @@ def until_conditions_hold(
     Where the active set cycles, it goes on for at most so many iterations.
     """
     before, was_increased, spent = float("inf"), False, minimiser.effort.iterations
+    met = options.condition * length
     for _ in range(options.most_updates):
         missed, energy = minimiser.problem.update_multipliers(minimum.state)
         is_nothing = 0 < energy <= options.nothing * abs(minimum.state.energy)
         helpless = was_increased and missed > before / 2 and is_nothing
-        if missed <= options.condition * length or helpless:
+        if missed <= met or helpless:
             return minimum
         _log.info("conditions missed by %.1e", missed)
         was_increased = missed > options.slow * before
         if was_increased:
             minimiser.problem.increase_penalty()
         before = missed
-        start, tolerance = minimum.state.displacement, options.update * energy
+        start = with_foreseen_multipliers(minimiser, minimum, missed, max(options.foreseen * missed, met / 10))
+        tolerance = options.update * energy
         minimum, _ = minimised(minimiser, start, minimum.proximal, options.at_the_end, name, tolerance, options.cycling)
         if not minimum.is_found:
             return minimum

@@ -129,23 +129,58 @@ def minimise_one_sided(model: OneSidedModel, matrix: Matrix, options: InnerOptio
 
 
 def _minimised(model: OneSidedModel, matrix: Matrix, options: InnerOptions) -> tuple[Array, float, int]:
-    step, curved = np.zeros_like(model.gradient), np.zeros_like(model.gradient)
-    gap, moved = model.gap, np.zeros_like(model.gap)
-    change, quadratics = 0.0, _Quadratics(model, matrix, options.lost)
-    closed = np.flatnonzero(gap < 0)
+    descent, change = Descent(model, matrix, options.lost), 0.0
     for _ in range(options.most_rounds):
-        towards = quadratics.minimum(closed) - step
-        way, curves = model.jacobian @ towards, matrix.multiply(model.stiffness, towards)
-        constant, linear = float(model.gradient @ towards + step @ curves), float(towards @ curves)
-        fraction = _root_of_slope(constant, linear, model.penalty, gap, way)
-        step, curved, moved = step + fraction * towards, curved + fraction * curves, moved + fraction * way
-        gap = model.gap + moved
-        before, change = change, model.change(step, curved, moved)
-        was_closed, closed = closed, np.flatnonzero(gap < 0)
-        settled = np.array_equal(was_closed, closed)
+        settled = descent.advance(model.gap)
+        before, change = change, model.change(descent.step, descent.curved, descent.moved)
         if settled or not change < 0 or before - change < -options.worthwhile_gain * change:
             break
-    return step, change, quadratics.factorisations
+    return descent.step, change, descent.factorisations
+
+
+class Descent:
+    """Newton steps with exact line searches, from a step of nothing, on a model whose gaps may change on the way.
+
+    Parameters
+    ----------
+    model : OneSidedModel
+        The model.
+    matrix : Matrix
+        What solves for it.
+    lost : float
+        Factor by which corrections of an inverse may enlarge round-off.
+
+    Attributes
+    ----------
+    step, curved : array of float, shape (unknowns,)
+        The step, and its product with the matrix of the model.
+    moved, gap : array of float, shape (n,)
+        What the step adds to the gaps, and the gaps after it.
+    """
+
+    def __init__(self, model: OneSidedModel, matrix: Matrix, lost: float) -> None:
+        self._model, self._matrix, self._quadratics = model, matrix, _Quadratics(model, matrix, lost)
+        self.step, self.curved = np.zeros_like(model.gradient), np.zeros_like(model.gradient)
+        self.gap, self.moved = model.gap, np.zeros_like(model.gap)
+
+    @property
+    def factorisations(self) -> int:
+        """Number of factorisations so far."""
+        return self._quadratics.factorisations
+
+    def advance(self, gap: Array) -> bool:
+        """Go towards the minimum with these gaps at a step of nothing, and tell whether the closed ones stay closed."""
+        model = self._model
+        before = gap + self.moved
+        was_closed = np.flatnonzero(before < 0)
+        towards = self._quadratics.minimum(was_closed, gap) - self.step
+        way, curves = model.jacobian @ towards, self._matrix.multiply(model.stiffness, towards)
+        constant, linear = float(model.gradient @ towards + self.step @ curves), float(towards @ curves)
+        fraction = _root_of_slope(constant, linear, model.penalty, before, way)
+        self.step, self.curved = self.step + fraction * towards, self.curved + fraction * curves
+        self.moved = self.moved + fraction * way
+        self.gap = gap + self.moved
+        return np.array_equal(was_closed, np.flatnonzero(self.gap < 0))
 
 
 class _Quadratics:
@@ -162,11 +197,11 @@ class _Quadratics:
         self._pulled: dict[int, Array] = {}
         self.factorisations = 0
 
-    def minimum(self, closed: Index) -> Array:
-        """Return the minimum of the quadratic in which just these penalty terms act."""
+    def minimum(self, closed: Index, gap: Array) -> Array:
+        """Return the minimum of the quadratic in which just these penalty terms act, with these gaps."""
         model = self._model
-        pull = np.zeros_like(model.gap)
-        pull[closed] = model.penalty[closed] * model.gap[closed]
+        pull = np.zeros_like(gap)
+        pull[closed] = model.penalty[closed] * gap[closed]
         right = -(model.gradient + model.pulled(pull))
         if self._acting is not None:
             changed = np.setxor1d(closed, self._acting)

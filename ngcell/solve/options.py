@@ -17,16 +17,20 @@ class InnerOptions:
     Attributes
     ----------
     most_rounds : int
-        Most inner iterations; to stop early costs nothing but a less good step, which the outer iteration judges.
+        Most inner iterations; to stop early costs nothing but a less good step, which the outer iteration judges. Also
+        the most factorisations to multipliers that are foreseen.
     worthwhile_gain : float
         The inner iteration ends when it gains less than this share of the decrease so far.
     lost : float
         Factor by which corrections of an inverse may enlarge round-off.
+    most_updates : int
+        Most steps to multipliers that are foreseen, each at the price of a solution.
     """
 
     most_rounds: int = 8
     worthwhile_gain: float = 0.02
     lost: float = 1e6
+    most_updates: int = 100
 
 
 @dataclass(frozen=True)
@@ -105,9 +109,10 @@ class ContinuationOptions:
     sufficient, sufficient_of_accuracy : float
         By how much the energy may still fall, as a share of itself, when no further centre of the proximal term is
         taken; and that over the accuracy that is asked for; 0 where the centre stays.
-    recentred, most_recentred, idle, refined : float, int, float, float
+    recentred, most_recentred, idle, idle_at_last, refined : float, int, float, float, float
         Weight at which the proximal term begins to hold bodies where they are; the most centres; the share of a fall
-        above which the next one is slow, and the weight is lowered; and the decrement of the last minimisation as a
+        above which the next one is slow, and the weight is lowered; that share once falls suffice and only the pull is
+        felt; and the decrement of the last minimisation as a
         share of the energy. A share of 1e-12 left forces 2.9e-6 out of balance where contact
         is stiff, and does not tell which cells nothing holds.
     allowed, allowed_of_accuracy, nearly_allowed : float, float, float
@@ -116,9 +121,9 @@ class ContinuationOptions:
         the same weight may do.
     only_leads : bool
         Whether the end of the path only leads to equilibria on finer meshes.
-    handover : float
+    handover, handover_idle : float
         Weight from which multipliers take over from a penalty: without its overlaps walls slide on, far for little
-        energy.
+        energy; and `idle_at_last` there.
     hardly_strained : float
         Strain below which the energy is told from nothing no more.
     first_overlapping : float
@@ -137,6 +142,8 @@ class ContinuationOptions:
         Decrement at which a minimisation between multiplier updates ends: share of the energy of missed conditions.
     condition, most_updates : float, int
         Length by which conditions may be missed at the end, and the most updates to get there.
+    foreseen : float
+        Share of missed conditions that multipliers which are foreseen may leave in their model.
     cycling : int
         Iterations of one minimisation that are active-set cycling, on the last stretch and between multiplier updates.
     slow : float
@@ -159,12 +166,14 @@ class ContinuationOptions:
     recentred: float = 1e-4
     most_recentred: int = 30
     idle: float = 0.9
+    idle_at_last: float = 0.9
     refined: float = 1e-16
     allowed: float = 0.0
     allowed_of_accuracy: float = 0.09
     nearly_allowed: float = 2.0
     only_leads: bool = False
     handover: float = 3e-3
+    handover_idle: float = 0.7
     hardly_strained: float = 1e-5
     first_overlapping: float = 1.0
     narrowest: float = 0.5
@@ -176,6 +185,7 @@ class ContinuationOptions:
     update: float = 0.1
     condition: float = 1e-12
     most_updates: int = 40
+    foreseen: float = 1e-5
     cycling: int = 200
     slow: float = 0.1
     nothing: float = 1e-11

@@ -53,6 +53,10 @@ class Linearisation(Protocol):
         """Their stiffness, shape (n,)."""
 
     @property
+    def lowered(self) -> Array | None:
+        """By how much multipliers lower the gaps [length]; NaN where a constraint has none, None where no one has."""
+
+    @property
     def keys(self) -> Index:
         """What tells the constraints of different states apart."""
 
@@ -104,6 +108,9 @@ class Problem(Protocol):
     def gradient(self, state: Any) -> Array:
         """Return the gradient of the energy, shape (unknowns,)."""
 
+    def gradient_of_constraints(self, state: Any) -> Array:
+        """Return the part of the gradient that is due to one-sided constraints, shape (unknowns,)."""
+
     def linearise(self, state: Any) -> Linearisation:
         """Return the model about a state."""
 
@@ -128,6 +135,13 @@ class Problem(Protocol):
     def update_multipliers(self, state: Any) -> tuple[float, float]:
         """Update multipliers at an equilibrium; return the gap [length] by which it misses conditions that the
         energy only approaches, and the energy that stands for what is missed; zeros where there are none."""
+
+    @property
+    def has_multipliers(self) -> bool:
+        """Whether multipliers lower gaps."""
+
+    def take_multipliers(self, keys: Index, lowered: Array) -> None:
+        """Take multipliers that are foreseen, by how much they lower the gaps of constraints with these keys."""
 
     def note_kinks(self, state: Any) -> bool:
         """Change the energy of other places where its kinks would hold up steps from here, and tell whether it has."""

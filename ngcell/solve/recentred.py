@@ -42,9 +42,10 @@ def recentred(minimiser: Minimiser, start: Array, weight: float, options: Contin
         minimiser.problem.update_multipliers(minimum.state)
         before, fallen = fallen, energy - minimum.state.energy
         ratio = fallen / before if before > 0 else 0.0
-        weight = max(proximal.weight / 10, scale * options.last) if ratio > options.idle else proximal.weight
-        proximal = ProximalTerm(weight, minimum.state.displacement)
         to_fall = fallen / (1 - min(max(ratio, 0.0), options.idle))
+        is_slow = ratio > (options.idle_at_last if to_fall <= sufficient else options.idle)
+        weight = max(proximal.weight / 10, scale * options.last) if is_slow else proximal.weight
+        proximal = ProximalTerm(weight, minimum.state.displacement)
         if to_fall <= sufficient and pull_on_bodies(minimiser, minimum, options.felt) <= 1:
             break
     return replace(minimum, to_fall=to_fall)
@@ -102,8 +103,7 @@ def pull_on_bodies(minimiser: Minimiser, minimum: Minimum, share: float) -> floa
     """Return the pull of the proximal term on a body, or on all together, over what is felt: a share of the largest
     force on a body."""
     problem, state = minimiser.problem, minimum.state
-    line = problem.linearise(state)
-    contact = line.jacobian.T @ (line.penalty * np.minimum(line.gap, 0))
+    contact = problem.gradient_of_constraints(state)
     support = np.where(problem.free, 0.0, problem.gradient(state))
     pull = problem.resultants(minimum.proximal.gradient(state.displacement, problem.mass))
     pulled = max(_largest(pull), float(np.linalg.norm(pull.sum(axis=0))))

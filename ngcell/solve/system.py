@@ -13,6 +13,8 @@ from ngcell.solve.problem import Problem
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+#: Entries of the mass matrix that are added at once: few enough for a processor's cache.
+_AT_ONCE = 2**16
 SystemMatrix = CondensedMatrix | IterativeMatrix
 
 
@@ -43,15 +45,15 @@ class System:
         """Return the values of a matrix from those on the problem's pattern."""
         return np.asarray(np.bincount(self.bulk, weights=stiffness, minlength=self.matrix.entry_count), dtype=float)
 
-    def with_metric(self, values: Array, weight: Array | float) -> Array:
-        """Return the values plus a multiple of the mass matrix, or ``sqrt(weight_i weight_j) M_ij`` where each unknown
-        has a weight of its own."""
-        summed = values.copy()
-        if isinstance(weight, np.ndarray):
-            root = np.sqrt(weight)
-            weight = root[self.metric_row] * root[self.metric_column]
-        summed[self.metric] += weight * self.metric_values
-        return summed
+    def add_metric(self, values: Array, weight: Array | float) -> Array:
+        """Add a multiple of the mass matrix to values, or ``sqrt(weight_i weight_j) M_ij`` where each unknown has a
+        weight of its own, and return them."""
+        root = np.sqrt(weight) if isinstance(weight, np.ndarray) else None
+        for first in range(0, len(self.metric), _AT_ONCE):
+            part = slice(first, first + _AT_ONCE)
+            factor = weight if root is None else root[self.metric_row[part]] * root[self.metric_column[part]]
+            values[self.metric[part]] += factor * self.metric_values[part]
+        return values
 
 
 def direct_system(problem: Problem, touched: Index, near: float) -> System:

@@ -235,13 +235,26 @@ def test_only_penalty_terms_that_miss_most_are_stiffened():
     assert set(np.round(stiffened)) == {1, 10}
 
 
+def test_multipliers_that_are_foreseen_are_those_of_the_gaps_that_they_lower():
+    pair, state, contact, _ = pressed_pair(2)
+    before, line = pair.contact.multipliers.copy(), pair.problem.linearise(state)
+    assert line.lowered is not None
+    pair.problem.take_multipliers(line.keys, 2 * line.lowered)
+    others = np.setdiff1d(np.arange(len(before)), contact.rows)
+    np.testing.assert_allclose(pair.contact.multipliers[contact.rows], 2 * before[contact.rows], rtol=1e-12)
+    np.testing.assert_array_equal(pair.contact.multipliers[others], before[others])
+    again = pair.problem.linearise(pair.problem.at(state.displacement))
+    np.testing.assert_allclose(again.gap, line.gap - line.lowered, atol=1e-15)
+
+
+@pytest.mark.parametrize("stiff", [10, 1000])
 @pytest.mark.parametrize("order", ORDERS)
-def test_multipliers_begin_with_the_forces_of_a_penalty(order):
+def test_multipliers_begin_with_the_forces_of_a_penalty(order, stiff):
     """Among them those at corners, which no function of the pressure represents."""
     pair = cells(order)
     at = pair.state(0.003, 0.8).displacement
     positions = pair.tissue.positions(at)
-    penalty = PenaltyContact(pair.tissue.walls, 10 * pair.contact.stiffness, reach=2 * LONGEST_STEP)
+    penalty = PenaltyContact(pair.tissue.walls, stiff * pair.contact.stiffness, reach=2 * LONGEST_STEP)
     forces = nodal_forces(penalty.pair(positions), positions)
     pair.contact.follow(penalty, positions)
     contact = pair.contact.pair(positions)

@@ -160,7 +160,7 @@ def test_minima_with_other_penalty_terms_are_the_same_whether_factorised_or_corr
     sets = [[0, 1], [0, 1, 2], [0, 1], [1, 2], [], [3, 4, 5], [0, 3, 4, 5]]
     for closed in (np.array(numbers, dtype=np.int64) for numbers in sets):
         alone = replace(model, gap=model.gap[closed], jacobian=model.jacobian[closed], penalty=model.penalty[closed])
-        minimum = quadratics.minimum(closed)
+        minimum = quadratics.minimum(closed, model.gap)
         pulled = alone.pulled(alone.penalty * (alone.gap + alone.jacobian @ minimum))
         force = matrix.multiply(model.stiffness, minimum) + model.gradient + pulled
         np.testing.assert_allclose(force[model.free], 0, atol=1e-9)
@@ -177,6 +177,6 @@ def test_a_penalty_term_that_alone_held_a_body_is_not_opened_by_a_correction(mon
     pull, soft, stiff = np.array([-0.3]), Stiffness(np.array([1 / 3])), np.array([1e9])
     model = OneSidedModel(pull, soft, np.array([-0.1]), jacobian, stiff, free)
     quadratics = _Quadratics(model, matrix, InnerOptions().lost)
-    quadratics.minimum(zero)
-    assert quadratics.minimum(zero[:0])[0] == pytest.approx(0.9, rel=1e-14)
+    quadratics.minimum(zero, model.gap)
+    assert quadratics.minimum(zero[:0], model.gap)[0] == pytest.approx(0.9, rel=1e-14)
     assert quadratics.factorisations == 2

@@ -37,7 +37,7 @@ class Mortar(Section):
             return Penalty().stages(walls, modulus_of_body, reach=reach, options=options)
         path, handover, own = (
             penalty_stiffness(walls, modulus_of_body, multiple)
-            for multiple in (options.path_multiple, options.handover_multiple, options.mortar_multiple)
+            for multiple in (options.path_multiple, options.penalty_multiple, options.mortar_multiple)
         )
         return (
             PenaltyContact(walls, path, reach, options=options),

@@ -22,8 +22,8 @@ Conditions are met by the method of multipliers, a proximal form of the semismoo
 method: penalty terms ``stiffness min(0, gap - pressure / stiffness)^2 / 2`` have, at fixed pressures, an energy that
 the solver descends; the pressures of the penalty terms then become the new multipliers, until nothing changes. Penalty
 terms only set the pace: each update leaves a share of the gaps that is about the walls' own stiffness over theirs, and
-where it leaves most they are stiffened. Multipliers begin with the pressures of the penalty that led there, those of
-point constraints with the forces that these leave.
+where it leaves most they are stiffened. Multipliers begin with pressures whose forces are those of the penalty that led
+there; near an equilibrium they are foreseen by the solver (`ngcell.solve.foreseen`).
 
 Why this variant. Multipliers that are continuous and one order lower than the trace are stable beside it for any mesh
 of the other body, and Bernstein polynomials keep pressures positive; dual multipliers only pay where multipliers are
@@ -110,8 +110,8 @@ class MortarContact:
         return np.concatenate([by_function, by_body, by_body])
 
     def follow(self, other: ContactMethod, positions: Array) -> None:
-        """Start from the pressures of another method at its equilibrium; point constraints from the forces that these
-        leave."""
+        """Start from pressures, of all conditions that overlap somewhere, whose forces are those of another method at
+        its equilibrium."""
         nodes = self.walls.nodes(positions)
         self._integration.renew(nodes)
         self._allowance = self._allowed(nodes)
@@ -119,17 +119,9 @@ class MortarContact:
         self._notches.clear()
         theirs, mine = other.pair(positions), self.pair(positions)
         _, jacobian, _ = mine.penalty_terms(positions)
-        pulled = (sparse.diags_array(mine.weight) @ jacobian).T.tocsc()
-        overlaps = np.flatnonzero(mine.weighted_gaps(positions) < mine.allowance)
-        along, _ = self._integration.points(nodes)
-        by_facet = np.argsort(along.primary, kind="stable")
-        pressure = np.zeros(len(along))
-        points = SurfacePoints(along.primary[by_facet], along.primary_xi[by_facet], along.weight[by_facet])
-        pressure[by_facet] = other.pressures(positions, points)
-        self.multipliers[: self.space.size] = self._shares(along, np.arange(self.space.size)) @ pressure
-        left = nodal_forces(theirs, positions) - pulled @ self.multipliers[mine.rows]
-        held = overlaps[mine.rows[overlaps] >= self.space.size]
-        self.multipliers[mine.rows[held]] = pressures_alike(pulled[:, held], left)
+        overlaps = np.flatnonzero(mine.average @ (mine.kinematics.gaps(positions) < 0))
+        pulled = (sparse.diags_array(mine.weight[overlaps]) @ jacobian[overlaps]).T.tocsc()
+        self.multipliers[mine.rows[overlaps]] = pressures_alike(pulled, nodal_forces(theirs, positions))
 
     def pair(self, positions: Array) -> MortarSet:
         """Find all points of the rule and point constraints at `positions`, shape (dimension, scalar unknowns)."""
@@ -218,6 +210,11 @@ class MortarContact:
             missed = np.maximum(missed, np.abs(again - self.multipliers) / stiffness)
         self._missed = missed
         return float(missed.max(initial=0.0)), float((self._stiffness * self._weight * missed**2).sum()) / 2
+
+    def take_multipliers(self, keys: Index, lowered: Array) -> None:
+        """Take multipliers that are foreseen, by how much they lower gaps; keys are their numbers."""
+        self.multipliers = self.multipliers.copy()
+        self.multipliers[keys] = (self._pace * self._stiffness)[keys] * lowered
 
     def note_kinks(self, contact: ContactSet, positions: Array) -> bool:
         """Let points that press near a notch be held by both of its edges."""

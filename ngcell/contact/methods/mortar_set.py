@@ -56,9 +56,14 @@ class MortarSet:
         """What tells the penalty terms of different states apart: the multipliers."""
         return self.rows
 
+    @property
+    def lowered(self) -> Array:
+        """By how much multipliers lower the gaps of the penalty terms [length], shape (m,)."""
+        return self.pressure / self.stiffness
+
     def gaps(self, positions: Array) -> Array:
         """Return the gaps of the penalty terms [length], shape (m,)."""
-        return self.weighted_gaps(positions) - self.pressure / self.stiffness
+        return self.weighted_gaps(positions) - self.lowered
 
     def weighted_gaps(self, positions: Array) -> Array:
         """Return the gaps that may not be negative [length], shape (m,)."""
@@ -79,7 +84,7 @@ class MortarSet:
         jacobian = self.average @ self.kinematics.jacobian(slopes, positions.shape[1])
         if self.cuts is not None:
             jacobian += self.cuts.jacobian(positions)
-        moved = self.average @ gap + self.allowance - self.pressure / self.stiffness
+        moved = self.average @ gap + self.allowance - self.lowered
         return moved, jacobian.tocsr(), self.stiffness * self.weight
 
     def curvature(self, positions: Array) -> sparse.coo_array:

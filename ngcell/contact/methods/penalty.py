@@ -72,6 +72,10 @@ class PenaltySet:
         pairs = self.kinematics.pairs
         return pairs.point * self.body_count + self.other_body
 
+    @property
+    def lowered(self) -> None:
+        """Nothing: there are no multipliers."""
+
     def gaps(self, positions: Array) -> Array:
         """Return the gaps of the penalty terms [length], shape (contact pairs,)."""
         return self.kinematics.gaps(positions)
@@ -235,6 +239,9 @@ class PenaltyContact:
         assert finer is not None
         is_refined = self._is_refined[self.walls.body]
         return self.searching(chosen_points(finer, self.walls.quadrature, is_refined))
+
+    def take_multipliers(self, keys: Index, lowered: Array) -> None:
+        """Do nothing: there are none."""
 
     def note_kinks(self, contact: ContactSet, positions: Array) -> bool:
         """Do nothing: a penalty lets points come to rest beside kinks."""

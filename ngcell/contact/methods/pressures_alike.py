@@ -1,8 +1,8 @@
 """Pressures whose forces are those of another contact method: where multipliers begin.
 
-A penalty holds tissues at corners, in points. Point constraints that began without those forces would let walls sink in
-until updates have found them, and slide on to other equilibria. So they are fitted to the forces on the nodes, by least
-squares among pressures that are not negative.
+A penalty holds tissues at corners, in a few points, with pressures that are too peaked to be sampled: a stiff one's,
+taken as they are, made forces several times as large. So pressures are fitted to the forces on the nodes, by least
+squares among those that are not negative.
 """
 
 from __future__ import annotations

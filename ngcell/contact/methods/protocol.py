@@ -43,6 +43,10 @@ class ContactSet(Protocol):
     def keys(self) -> Index:
         """What tells the penalty terms of different states apart."""
 
+    @property
+    def lowered(self) -> Array | None:
+        """By how much multipliers lower the gaps of the penalty terms [length]; None where there are none."""
+
     def gaps(self, positions: Array) -> Array:
         """Return the gaps of the penalty terms [length]."""
 
@@ -96,6 +100,9 @@ class ContactMethod(Protocol):
         That is the largest gap [length], and the energy [stress * length**2] of the penalty terms that stand for the
         missed gaps; both are 0 where there is nothing to be updated.
         """
+
+    def take_multipliers(self, keys: Index, lowered: Array) -> None:
+        """Take multipliers that are foreseen, by how much they lower the gaps of penalty terms with these keys."""
 
     def note_kinks(self, contact: ContactSet, positions: Array) -> bool:
         """Change the energy of other places where its kinks would hold up steps from here, and tell whether it has."""

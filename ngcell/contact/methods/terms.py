@@ -76,7 +76,7 @@ class ContactTerm(Term):
         """Return one constraint a condition."""
         found = self.found(at)
         gap, jacobian, penalty = found.penalty_terms(at.positions)
-        return OneSided(gap, jacobian, penalty, found.keys)
+        return OneSided(gap, jacobian, penalty, found.keys, found.lowered)
 
     def gaps(self, at: Configuration) -> tuple[Index, Array]:
         """Return keys and gaps of the constraints."""
@@ -99,6 +99,10 @@ class ContactTerm(Term):
     def update_multipliers(self, at: Configuration, stored: StoredEnergy) -> tuple[float, float]:
         """Let the method update its pressures, or its penalty."""
         return self.method.update_multipliers(self.found(at), at.positions, stored)
+
+    def take_multipliers(self, keys: Index, lowered: Array) -> None:
+        """Let the method take these pressures."""
+        self.method.take_multipliers(keys, lowered)
 
     def note_kinks(self, at: Configuration) -> bool:
         """Let the method hold what comes to a kink of its gaps."""
