@@ -24,7 +24,6 @@ SCENES: dict[str, tuple[str, tuple[str, ...]]] = {
     "3x3 to 1.0": ("shear-empty-3x3", ()),
     "3x3 to 1.0 under pressure": ("shear-empty-3x3", PRESSED),
     "5x7 to 1.6": ("shear-empty", ()),
-    "5x7 to 1.6 under pressure": ("shear-pressurised", ()),
 }
 #: Kind and multiple of its stiffness; the reference first.
 METHODS = (("mortar", None), ("penalty", 1.0), ("penalty", 10.0), ("ngsolve", 1.0), ("ngsolve", 10.0))
