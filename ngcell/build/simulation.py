@@ -25,7 +25,6 @@ from ngcell.clock import Clock
 from ngcell.mechanics.term import Configuration
 from ngcell.mechanics.transfer import transferred
 from ngcell.problem.problem import Problem
-from ngcell.problem.reports import memory
 from ngcell.results.observables.observable import Observable
 from ngcell.scene import AnyCase, BodyScene
 from ngcell.solve.step import Accepted, within_budget
@@ -171,8 +170,8 @@ class Simulation(Problems):
         """Yield the steps that the strategy accepts after a checkpoint, before they are measured."""
         steps = load_steps(self.levels, self.strategy.steps or self._case.smallest_step_count)
         task = Task(self, self.motion, steps, self.levels, self.options.solver)
-        for term in self.cohesion if checkpoint.memory else ():
-            term.recall(checkpoint.memory)
+        if checkpoint.memory:
+            self.problem.recall(checkpoint.memory)
         progress = checkpoint.progress
         return within_budget(self.strategy.follow(task, progress), self._budget, progress.load_factor)
 
@@ -182,4 +181,4 @@ class Simulation(Problems):
             return {}
         account = accepted.account
         names = ("dissipation", "increment", "targets")
-        return {**memory(self.problem.terms), **{name: np.array(getattr(account, name)) for name in names}}
+        return {**self.problem.memory(), **{name: np.array(getattr(account, name)) for name in names}}

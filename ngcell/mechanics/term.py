@@ -219,6 +219,9 @@ class Term(ABC):
     def reset(self) -> None:
         """Forget all accepted steps."""
 
+    def begin_path(self) -> None:
+        """Begin a load path whose steps follow each other: what adapts to a state may do so at each of them."""
+
     def memory(self) -> dict[str, NDArray[Any]]:
         """Return what the term remembers, by name."""
         return {}

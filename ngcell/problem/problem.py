@@ -6,10 +6,11 @@ apart for the solver, and passes on to all terms what concerns their history and
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, reduce
 from operator import add
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -269,6 +270,20 @@ class Problem:
         """Let terms forget all accepted states."""
         for term in self.terms:
             term.reset()
+
+    def begin_path(self) -> None:
+        """Let terms begin a load path whose steps follow each other."""
+        for term in self.terms:
+            term.begin_path()
+
+    def memory(self) -> dict[str, NDArray[Any]]:
+        """Return what terms remember, by name."""
+        return {name: values for term in self.terms for name, values in term.memory().items()}
+
+    def recall(self, memory: Mapping[str, NDArray[Any]]) -> None:
+        """Let terms take up again what `memory` returned."""
+        for term in self.terms:
+            term.recall(memory)
 
 
 def _whole_gradient(term: Term, at: Configuration) -> Array:

@@ -83,8 +83,3 @@ def broken_share(terms: Sequence[Term], at: Configuration, pairs: Index) -> Arra
 def checks(terms: Sequence[Term], at: Configuration, scales: Scales) -> tuple[Check, ...]:
     """Return the checks of all terms."""
     return tuple(check for term in terms for check in term.checks(at, scales))
-
-
-def memory(terms: Sequence[Term]) -> dict[str, NDArray[np.generic]]:
-    """Return what terms remember, by name."""
-    return {name: values for term in terms for name, values in term.memory().items()}

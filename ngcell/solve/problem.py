@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -158,3 +158,12 @@ class Problem(Protocol):
 
     def reset(self) -> None:
         """Forget all accepted steps."""
+
+    def begin_path(self) -> None:
+        """Begin a load path whose steps follow each other."""
+
+    def memory(self) -> Mapping[str, NDArray[Any]]:
+        """Return what is remembered of the load path, by name."""
+
+    def recall(self, memory: Mapping[str, NDArray[Any]]) -> None:
+        """Take up again what `memory` returned."""

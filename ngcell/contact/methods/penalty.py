@@ -10,13 +10,16 @@ stiffer than its layer, as on a filled cell or a thick ring), penalty terms that
 equilibrium whose overlaps are too deep, or store too large a share of the energy, they are made stiffer and the
 equilibrium is sought again. Where walls bend so much that they sink in between the points of the rule, the rule is
 made finer instead, once, if the surface has a finer one. Each group of bodies that touch is judged by itself: by the
-thickness of the bodies that meet, and by what the group stores. What happens elsewhere changes nothing.
+thickness of the bodies that meet, and by what the group stores. What happens elsewhere changes nothing. Along a load
+path whose steps follow each other the rule is made finer in good time, and both are remembered from step to step.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +42,9 @@ Index = NDArray[np.int64]
 #: Overlap over the thinner body's thickness above which penalty terms are too soft; a certificate has the same limit.
 #: Overlaps below `NO_OVERLAP` of the thickness are none.
 DEEP, NO_OVERLAP = 0.02, 1e-7
+#: The same between the points of the rule, where it is made finer in good time: outlines may overlap deeper than any
+#: point of the finer rule tells.
+_EARLY = DEEP / 2
 #: Factor by which penalty terms that are too soft are made stiffer, and the most that all such factors make. The
 #: derived stiffness is that of a layer that may spread along the wall; one that is confined is stiffer by the ratio of
 #: bulk to shear modulus, and is followed up to a ratio of 1e8.
@@ -132,7 +138,7 @@ class PenaltyContact:
         self.walls, self._options = walls, options
         self._derived, self.reach = stiffness, reach
         self._may_stiffen, self._stiffens = may_stiffen, False
-        self._usual = self.searching(walls.quadrature)
+        self._usual, self._deep_between = self.searching(walls.quadrature), DEEP
         self._take_back()
 
     def searching(self, points: SurfacePoints) -> PairSearch:
@@ -187,10 +193,22 @@ class PenaltyContact:
         self.restart()
         self._stiffens = self._may_stiffen and other is not self
 
-    def restart(self) -> None:
-        """Take back what was raised; from now on penalty terms adapt."""
+    def restart(self, *, early: bool = False) -> None:
+        """Take back what was raised; from now on penalty terms adapt, and the rule in good time if it is to be early.
+        """
         self._take_back()
-        self._stiffens = self._may_stiffen
+        self._stiffens, self._deep_between = self._may_stiffen, _EARLY if early else DEEP
+
+    def memory(self) -> dict[str, NDArray[Any]]:
+        """Return what was raised of each body, and which have the finer rule; nothing where penalty terms stay as they
+        are."""
+        return {"factor": self._factor.copy(), "is_refined": self._is_refined.copy()} if self._stiffens else {}
+
+    def recall(self, memory: Mapping[str, NDArray[Any]]) -> None:
+        """Take up what a method that had been restarted early had raised."""
+        self.restart(early=True)
+        self._factor, self._is_refined = memory["factor"].copy(), memory["is_refined"].copy()
+        self._search = self._mixed_search() if self._is_refined.any() else self._usual
 
     def update_multipliers(self, contact: ContactSet, positions: Array, stored: StoredEnergy) -> tuple[float, float]:
         """Stiffen the penalty terms that are too soft, and return the deepest overlap of these, else zeros."""
@@ -215,7 +233,7 @@ class PenaltyContact:
         """
         mine, finer = seen.within(group), None if between is None else between.within(group)
         if finer is not None and not self._is_refined[group].all():
-            if finer.largest_share > max(DEEP, self._options.between * mine.largest_share):
+            if finer.largest_share > max(self._deep_between, self._options.between * mine.largest_share):
                 self._is_refined |= group
                 self._search = self._mixed_search()
                 return finer.deepest

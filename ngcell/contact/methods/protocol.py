@@ -15,7 +15,8 @@ is remembered, and the part that is spent told by `unstored`.
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Mapping
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,6 +68,24 @@ class ContactSet(Protocol):
 
         ``weighted_overlap`` is a length, ``weighted_complementarity`` an energy. Empty where there are none.
         """
+
+
+@runtime_checkable
+class Adapting(Protocol):
+    """A method without multipliers, whose penalty terms adapt to what they leave."""
+
+    @property
+    def raised(self) -> float:
+        """Largest factor by which penalty terms that were too soft have been made stiffer."""
+
+    def restart(self, *, early: bool = False) -> None:
+        """Take back what was adapted, and adapt from now on; in good time if it is to be early."""
+
+    def memory(self) -> dict[str, NDArray[Any]]:
+        """Return what has been adapted, by name."""
+
+    def recall(self, memory: Mapping[str, NDArray[Any]]) -> None:
+        """Take up again what `memory` returned."""
 
 
 class ContactMethod(Protocol):

@@ -7,13 +7,16 @@ body: they have no resultant, and are no forces between bodies.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
 from ngcell.contact.methods.overlaps import overlaps
 from ngcell.contact.methods.penalty import DEEP, PenaltyContact, PenaltySet, penalty_stiffness
-from ngcell.contact.methods.terms import COMPLEMENTARITY
+from ngcell.contact.methods.terms import COMPLEMENTARITY, named, unnamed
 from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
 from ngcell.contact.pairing.lumens import Closing, LumenSearch, near_in_closing
 from ngcell.contact.surface.lumens import LumenSurface
@@ -25,6 +28,7 @@ from ngcell.mechanics.term import Configuration, OneSided, Role, Term
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
+_MEMORY = "penalty_in_lumens_"
 _MEANING = {
     "self_overlap_over_wall": "deepest overlap of a lumen's walls, as their contact sees it, over the thickness",
     "self_complementarity": "integral of the contact pressure within lumens times gap over the stored energy",
@@ -131,6 +135,20 @@ class SelfContact(Term):
     def reset(self) -> None:
         """Forget what the penalty was raised to, and let it adapt again."""
         self.method.restart()
+
+    def begin_path(self) -> None:
+        """Forget what the penalty was raised to, and let it adapt in good time."""
+        self.method.restart(early=True)
+
+    def memory(self) -> dict[str, NDArray[Any]]:
+        """Return what the penalty was raised to."""
+        return named(_MEMORY, self.method.memory())
+
+    def recall(self, memory: Mapping[str, NDArray[Any]]) -> None:
+        """Take that up again."""
+        mine = unnamed(_MEMORY, memory)
+        if mine:
+            self.method.recall(mine)
 
     def update_multipliers(self, at: Configuration, stored: StoredEnergy) -> tuple[float, float]:
         """Let penalty terms that are too soft be made stiffer, lumen by lumen."""

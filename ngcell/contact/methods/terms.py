@@ -11,7 +11,7 @@ from scipy import sparse
 
 from ngcell.contact.cohesion.bonds import Bonds
 from ngcell.contact.methods.overlaps import overlaps
-from ngcell.contact.methods.protocol import ContactMethod, ContactSet
+from ngcell.contact.methods.protocol import Adapting, ContactMethod, ContactSet
 from ngcell.contact.surface.surface import SurfacePoints
 from ngcell.mechanics.report import Check, Scales
 from ngcell.mechanics.stored import StoredEnergy
@@ -22,12 +22,23 @@ Index = NDArray[np.int64]
 
 #: Limits of checks, and what these are.
 TENSION, COMPLEMENTARITY, WEIGHTED = 0.0, 0.02, 1e-6
+_MEMORY = "penalty_"
 _MEANING = {
     "tension": "largest tensile contact pressure over the shear modulus",
     "complementarity": "integral of contact pressure times gap over the stored energy",
     "weighted_overlap": "deepest overlap averaged by a multiplier's function over the thinnest wall; mortar only",
     "weighted_complementarity": "sum of multipliers times weighted gaps over the stored energy; mortar only",
 }
+
+
+def named(prefix: str, memory: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """Return what a method remembers by names that begin with a prefix."""
+    return {f"{prefix}{name}": values for name, values in memory.items()}
+
+
+def unnamed(prefix: str, memory: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """Return what was given such names."""
+    return {name.removeprefix(prefix): values for name, values in memory.items() if name.startswith(prefix)}
 
 
 class ContactTerm(Term):
@@ -55,7 +66,7 @@ class ContactTerm(Term):
     @property
     def raised(self) -> float:
         """Factor by which penalty terms that were too soft have been made stiffer; 1 where a method knows none."""
-        return float(getattr(self.method, "raised", 1.0))
+        return self.method.raised if isinstance(self.method, Adapting) else 1.0
 
     def found(self, at: Configuration) -> ContactSet:
         """Return the contact pairs at a configuration."""
@@ -95,6 +106,21 @@ class ContactTerm(Term):
         """Start from the pressures of the method of the stage before."""
         assert isinstance(before, ContactTerm)
         self.method.follow(before.method, at.positions)
+
+    def begin_path(self) -> None:
+        """Let the method adapt from now on, if it can."""
+        if isinstance(self.method, Adapting):
+            self.method.restart(early=True)
+
+    def memory(self) -> dict[str, NDArray[Any]]:
+        """Return what the method has adapted."""
+        return named(_MEMORY, self.method.memory()) if isinstance(self.method, Adapting) else {}
+
+    def recall(self, memory: Mapping[str, NDArray[Any]]) -> None:
+        """Let the method take up what it had adapted."""
+        mine = unnamed(_MEMORY, memory)
+        if mine and isinstance(self.method, Adapting):
+            self.method.recall(mine)
 
     def update_multipliers(self, at: Configuration, stored: StoredEnergy) -> tuple[float, float]:
         """Let the method update its pressures, or its penalty."""
@@ -142,7 +168,7 @@ class ContactTerm(Term):
     @property
     def has_multipliers(self) -> bool:
         """Whether pressures are unknowns of their own, and not those of overlaps."""
-        return not hasattr(self.method, "raised")
+        return not isinstance(self.method, Adapting)
 
     def checks(self, at: Configuration, scales: Scales) -> tuple[Check, ...]:
         """Return tension, complementarity and the method's own conditions."""

@@ -14,6 +14,9 @@ taken independently, work from forces and losses from energies, so their sum has
 
 and the mismatch, the error of the trapezoidal rule, decides how long a step may be. Where the forces in equilibrium at
 both ends account for the change of energy by themselves, nothing was lost. Where they nearly do, shorter steps tell.
+
+Contact that turns out too soft for a step, or too coarse, adapts at its end, while the supports stand still. What that
+puts into the energy is a loss with the opposite sign. A step that is refused takes it back.
 """
 
 from __future__ import annotations
@@ -28,6 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.scene.section import PositiveCount, Section
+from ngcell.solve.continuation import until_conditions_hold
 from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.problem import Driven, State
@@ -122,6 +126,8 @@ class _Path:
     def _start(self, progress: Progress) -> _Place:
         self._released.apply(progress.load_factor)
         at_rest = self._motion.imposed(np.zeros(len(self._problem.free)), 0.0)
+        if not progress.accepted:
+            self._problem.begin_path()
         state = self._problem.at(progress.displacement.get("released", at_rest))
         start = Minimum(state, Ending.CONVERGED, 0.0, ProximalTerm(0.0, state.displacement))
         drives = self._problem.drives(state.displacement, progress.load_factor)
@@ -151,11 +157,26 @@ class _Path:
             least = 0.0 if is_shortest else self._options.snapped
             lost, share = self._balance(start, moved, self._stand(minimum.state, goal), least)
             _log.info("step to %.6g: %s, mismatch %.1e, lost %.1e", goal, minimum.ending.value, share, lost)
-            if minimum.is_found and share <= self._options.mismatch:
-                account = Account(place.dissipation + lost, share)
-                return _Place(goal, minimum, account.dissipation), account
+            remembered = self._problem.memory()
+            met = self._met(minimum) if minimum.is_found and share <= self._options.mismatch else None
+            if met is not None:
+                account = Account(place.dissipation + lost + minimum.state.energy - met.state.energy, share)
+                return _Place(goal, met, account.dissipation), account
+            self._problem.recall(remembered)
         self._released.apply(place.load)
         return None
+
+    def _met(self, minimum: Minimum) -> Minimum | None:
+        """Return the minimum beside one, at held supports, once contact has adapted to its overlaps; None if there is
+        none.
+
+        What that changes the energy by is no work of the supports: it is counted among the losses, with its sign.
+        """
+        length, options = self._minimiser.longest_step, self._task.options
+        met = until_conditions_hold(self._minimiser, minimum, length, options.continuation)
+        if met is not minimum and met.is_found:
+            met = stable(self._minimiser, met, scale=self._released.path.scale, length=length, options=options)
+        return met if met.is_found else None
 
     def _fallen(self, start: Array) -> Minimum:
         """Return the minimum below a place, and no saddle; its proximal term follows where bodies went far."""
