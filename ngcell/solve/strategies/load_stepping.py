@@ -44,6 +44,12 @@ Array = NDArray[np.float64]
 
 _log = logging.getLogger(__name__)
 
+#: A load path of fewer levels may be cut as finely as one of so many equal ones: how short a step has to be for bonds
+#: to be followed does not depend on what is reported.
+_LEVELS = 10
+#: Further halvings of a step where a loss that was looked for does not close the balance yet.
+_FURTHER_HALVINGS = 4
+
 
 @dataclass(frozen=True, eq=False)
 class _Place:
@@ -98,7 +104,7 @@ class _Path:
         ways = ways[ways > 0] if ways.any() else np.ones(1)
         increment = float(memory.get("increment", 0.0)) or float(ways[0])
         place = self._start(progress)
-        shortest = float(ways.min()) / 2**MOST_HALVINGS
+        shortest = min(float(ways.min()), float(ways.sum()) / _LEVELS) / 2**MOST_HALVINGS
         for number, target in enumerate(targets[done:], done):
             is_there = False
             while not is_there:
@@ -110,7 +116,7 @@ class _Path:
                 goal = target if pieces == 1 else place.load + way / pieces
                 tried = self._tried(place, goal, is_shortest=increment < shortest)
                 while tried is None:
-                    if increment < shortest:
+                    if increment < shortest / 2**_FURTHER_HALVINGS:
                         raise StepFailed(Outcome.RELEASE_FAILED, goal)
                     increment /= 2
                     self._released.apart.effort.cutbacks += 1
