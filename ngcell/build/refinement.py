@@ -15,7 +15,8 @@ from ngcell.build.stages import Stage, singular_exponent
 from ngcell.errors import CaseError
 from ngcell.problem.state import State
 from ngcell.results.equilibrium import numbers_of
-from ngcell.results.error import Errors, Numbers, Refining, estimate
+from ngcell.results.error import Errors, Numbers, estimate
+from ngcell.results.parts_of_error import Refining
 from ngcell.solve.step import Accepted
 
 _log = logging.getLogger(__name__)

@@ -19,7 +19,7 @@ import numpy as np
 from ngcell.geometry.rings import GRADE
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.term import Array
-from ngcell.results.error import Refining
+from ngcell.results.parts_of_error import Refining
 from ngcell.results.places import element_type, map_points
 from ngcell.scene import AnyCase, BodyScene, Case
 from ngcell.scene.mesh import HIGHEST_ORDER
@@ -31,6 +31,8 @@ _TISSUE, _FINE = ((2, 1), (3, 1), (4, 1), (4, 2), (5, 2), (6, 3)), 0.02
 #: one side (Williams, J. Appl. Mech. 19, 1952); angles in radians from which on an outline is re-entrant, and up to
 #: which it has a corner.
 _SMOOTH, _HELD_CORNER, _REENTRANT, _CORNER = 1.5, 0.71, np.radians(200), np.radians(150)
+#: Exponent of the strongest singularity that bodies have, that of cracks and of the edges of punches.
+_STRONGEST = 0.5
 #: Corners of the reference elements, in the order of their vertices.
 _CORNERS = {
     ngsolve.ET.TRIG: np.array([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]]),
@@ -64,8 +66,9 @@ class Stage:
         their order (Babuska and Suri, SIAM Rev. 36, 1994, doi:10.1137/1036141).
         """
         in_order = (before.order / self.order) ** (4 * exponent)
+        elsewhere = (before.order / self.order) ** (4 * _STRONGEST)
         grades = self.grading - before.grading
-        return Refining(float(in_order * GRADE ** (2 * exponent * grades)), is_graded=grades > 0)
+        return Refining(float(in_order * GRADE ** (2 * exponent * grades)), grades > 0, elsewhere)
 
 
 def stages_of(scene: AnyCase | BodyScene) -> tuple[Stage, ...]:

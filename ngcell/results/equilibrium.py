@@ -19,6 +19,7 @@ from ngcell.results.certificate import LIMITS
 from ngcell.results.checks import NodalForces, scales_of
 from ngcell.results.error import Numbers
 from ngcell.results.forces import ContactForces, contact_forces
+from ngcell.results.gaps_of_pairs import gaps_of_pairs
 from ngcell.results.growth import ONSET
 from ngcell.results.quadrature import quadrature_error
 from ngcell.results.rupture.strength import WallStrength
@@ -139,6 +140,7 @@ def numbers_of(setup: Setup, problem: Problem, state: State, proximal: Held, to_
         scales=(scales.energy, force, ONSET * _thinnest(setup, problem)),
         besides=overlap_work + proximal_energy + quadrature_error(problem.terms, state.at) + to_fall,
         overlap=overlap_work / max(float(balance.forces.normal.sum()), force * _NO_FORCE),
+        gaps=gaps_of_pairs(setup.facing, balance.gap, balance.free_bodies),
         utilisation=0.0 if setup.strength is None else setup.strength.utilisation(problem.terms, displacement).largest,
         pulled=float(np.linalg.norm(problem.resultants(pull).sum(0))),
     )

@@ -7,11 +7,15 @@ a minimum and falls from mesh to mesh:
 - A higher order lowers the errors of all singularities. What the strongest one lets remain is known; where two orders
   in turn have changed the potential by shares that are larger, that is taken.
 - Grading lowers errors at the corners that it is towards, and no others. Of the error e that was told before, the
-  refinement has found the change c: ``1 - c / e`` remains, and never less than at these corners.
+  refinement has found the change c: ``1 - c / e`` remains, and never less than at these corners. After a grade alone
+  the error is also known in two parts (`ngcell.results.parts_of_error`); the smaller of the two is told.
 
 No share is taken larger than `MOST_REMAINS`. Another number may stay by accident while the mesh changes: what was told
 of it before falls by no more than the share. The first mesh, on which the load path is followed, is too coarse for what
 is told by it to be remembered so.
+
+Which bodies nothing holds may change from mesh to mesh, and with it the walls that a mean gap is taken over: changes
+are those of the walls that are held on the last mesh.
 
 Beside the mesh, the energy errs by contact that is not rigid, at most by forces times overlaps, and by what the
 proximal term still holds; forces, as derivatives of the energy along the load, and the utilisation of walls by the same
@@ -21,7 +25,7 @@ mean overlap under the forces between them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf, isfinite, nan
 
@@ -29,11 +33,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.mechanics.report import Check
+from ngcell.results.gaps_of_pairs import GapsOfPairs
+from ngcell.results.parts_of_error import MOST_REMAINS, Refining, error_in_parts
 
 Array = NDArray[np.float64]
 
-#: The largest share of an error that a refinement is taken to leave.
-MOST_REMAINS = 0.8
 _MEANING = (
     "largest estimated relative error of energy, plate force and mean gap of held walls, by refinement; a mean gap "
     "below 5 % of the wall, where walls do not count as opened, is judged by that"
@@ -67,6 +71,8 @@ class Numbers:
         What the proximal term that is left takes of the force from one support to the other [stress * length].
     utilisation : float
         Largest utilisation of walls [1]; 0 where their strength is not known.
+    gaps : GapsOfPairs, optional
+        Gaps pair by pair, from which those of other held walls follow.
     """
 
     potential: float
@@ -80,27 +86,17 @@ class Numbers:
     overlap: float = 0.0
     pulled: float = 0.0
     utilisation: float = 0.0
+    gaps: GapsOfPairs | None = None
+
+    def over_walls_of(self, last: Numbers) -> Numbers:
+        """Return the same with the gaps of the walls whose bodies something holds on the last mesh."""
+        told = None if self.gaps is None or last.gaps is None else self.gaps.over_those_of(last.gaps)
+        return self if told is None else replace(self, mean_gap=told[0], largest_gap=told[1])
 
     @property
     def without_contact(self) -> Numbers:
         """The same without what they err by besides the mesh."""
         return replace(self, besides=0.0, overlap=0.0)
-
-
-@dataclass(frozen=True)
-class Refining:
-    """How a mesh is finer than the one before.
-
-    Attributes
-    ----------
-    remains : float
-        Smallest share of the error that it may leave, in (0, 1).
-    is_graded : bool
-        Whether it is graded towards corners once more.
-    """
-
-    remains: float
-    is_graded: bool = False
 
 
 @dataclass(frozen=True)
@@ -157,13 +153,28 @@ def estimate(
         return Errors()
     told: dict[str, float] = {}
     changed = 0.0
-    for number, (one, two, how) in enumerate(zip(found, found[1:], refined, strict=False)):
-        change = {name: _change(one, two, name) for name in _TOLD}
+    found = [one.over_walls_of(meant or found[-1]) for one in found]
+    changes = [{name: _change(one, two, name) for name in _TOLD} for one, two in zip(found, found[1:], strict=False)]
+    for number, (change, how) in enumerate(zip(changes, refined, strict=False)):
         share = _share(how, change["potential"], changed, told.get("potential"))
         remains = share if of_last else 1.0
         new = {name: max(change[name] * remains / (1 - share), share * told.get(name, 0.0)) for name in _TOLD}
         told, changed = new if number else {}, 0.0 if how.is_graded else change["potential"]
-    return _with_contact(meant or found[-1], new)
+    in_parts = _in_parts(changes, refined) if of_last else {}
+    return _with_contact(meant or found[-1], {name: min(new[name], in_parts.get(name, inf)) for name in _TOLD})
+
+
+def _in_parts(changes: Sequence[Mapping[str, float]], refined: Sequence[Refining]) -> dict[str, float]:
+    """Return errors that follow from that of the potential in parts; nothing where the parts are not known.
+
+    What a refinement has changed a number by, relative to what it has changed the potential by, what is left may
+    change it by as well: by the largest of these ratios, that of the first mesh left out, whichever refinement.
+    """
+    of_potential = [change["potential"] for change in changes]
+    left = error_in_parts(of_potential, refined[: len(changes)])
+    if left is None or min(of_potential) <= 0:
+        return {}
+    return {name: left * max(change[name] / change["potential"] for change in changes[1:]) for name in _TOLD}
 
 
 def _share(how: Refining, change: float, before: float, told: float | None) -> float:

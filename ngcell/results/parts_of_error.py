@@ -1,0 +1,59 @@
+"""The error of a potential in two parts: that of corners that grading is towards, and that of all other singularities.
+
+Grading alone, without a higher order, lowers the first part only, by a share that its singularity tells; so it tells
+how large that part is. Each refinement after it lowers the first part by a share that is known, and what else it
+changes is of the second: of the ends of contact, and of corners that press on walls. Its share is that which it had
+from the refinement before, and never less than that of a crack or a punch, the strongest of all. So what was told too
+large on coarse meshes is not carried on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+#: The largest share of an error that a refinement is taken to leave.
+MOST_REMAINS = 0.8
+
+
+@dataclass(frozen=True)
+class Refining:
+    """How a mesh is finer than the one before.
+
+    Attributes
+    ----------
+    remains : float
+        Smallest share of the error that it may leave, in (0, 1); of that of graded corners it leaves this share.
+    is_graded : bool
+        Whether it is graded towards corners once more.
+    elsewhere : float
+        Smallest share that it may leave of errors elsewhere; 1 where it does nothing there.
+    """
+
+    remains: float
+    is_graded: bool = False
+    elsewhere: float = 0.0
+
+
+def error_in_parts(changes: Sequence[float], refined: Sequence[Refining]) -> float | None:
+    """Return the error of the potential that the last refinement leaves; None where no grading has told its parts.
+
+    Parameters
+    ----------
+    changes : sequence of float
+        By how much each refinement has changed the potential [energy], >= 0.
+    refined : sequence of Refining
+        These refinements.
+    """
+    alone = [number for number, how in enumerate(refined) if how.is_graded and how.elsewhere == 1]
+    if not alone or alone[-1] + 1 >= len(changes):
+        return None
+    first = alone[-1]
+    corners = changes[first] * refined[first].remains / (1 - refined[first].remains)
+    before, others = 0.0, 0.0
+    for change, how in zip(changes[first + 1 :], refined[first + 1 :], strict=True):
+        other = max(change - corners * (1 - how.remains), 0.0)
+        measured = other / before if before > 0 else 0.0
+        share = min(max(measured, how.elsewhere), MOST_REMAINS)
+        corners, others, before = corners * how.remains, other * share / (1 - share), other
+    return max(corners + others, changes[-1] * refined[-1].remains / (1 - refined[-1].remains))
