@@ -81,7 +81,8 @@ def stages_of(scene: AnyCase | BodyScene) -> tuple[Stage, ...]:
         return _stage(scene, given, grading or 0), _stage(scene, given + 1, grading or 0, is_reported=False)
     if is_tissue and grading is None and _has_meshed_lumens(scene):
         # Lumens that Netgen meshes are meshed anew for each grading: none is part of another.
-        chosen = [(order, 1) for order in range(2, HIGHEST_ORDER + 1)]
+        # At order 2 they are so far off that walls would have to be settled anew at order 3.
+        chosen = [(order, 1) for order in range(3, HIGHEST_ORDER + 1)]
     elif is_tissue and grading is None:
         chosen = list(_TISSUE if scene.accuracy < _FINE else _TISSUE[:-1])
     else:
