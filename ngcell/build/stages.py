@@ -27,6 +27,9 @@ from ngcell.scene.mesh import HIGHEST_ORDER
 #: Order and grading of the meshes of a tissue, one after the other: what a grade leaves of an error is known only from
 #: the step in order before it. The finest is left out where a low accuracy is asked for.
 _TISSUE, _FINE = ((2, 1), (3, 1), (4, 1), (4, 2), (5, 2), (6, 3)), 0.02
+#: Lowest order of filled cells of any shape in the plane: at order 2 they are so far off that on the next mesh their
+#: walls would have to be settled anew.
+_FILLED = 3
 #: Exponents of the displacement's growth with the distance from the end of a contact, and from a corner that is held on
 #: one side (Williams, J. Appl. Mech. 19, 1952); angles in radians from which on an outline is re-entrant, and up to
 #: which it has a corner.
@@ -81,8 +84,8 @@ def stages_of(scene: AnyCase | BodyScene) -> tuple[Stage, ...]:
         return _stage(scene, given, grading or 0), _stage(scene, given + 1, grading or 0, is_reported=False)
     if is_tissue and grading is None and _has_meshed_lumens(scene):
         # Lumens that Netgen meshes are meshed anew for each grading: none is part of another.
-        # At order 2 they are so far off that walls would have to be settled anew at order 3.
-        chosen = [(order, 1) for order in range(3, HIGHEST_ORDER + 1)]
+        lowest = _FILLED if getattr(getattr(scene, "tissue", None), "height", None) is None else 2
+        chosen = [(order, 1) for order in range(lowest, HIGHEST_ORDER + 1)]
     elif is_tissue and grading is None:
         chosen = list(_TISSUE if scene.accuracy < _FINE else _TISSUE[:-1])
     else:

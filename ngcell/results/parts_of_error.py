@@ -4,7 +4,7 @@ Grading alone, without a higher order, lowers the first part only, by a share th
 how large that part is. Each refinement after it lowers the first part by a share that is known, and what else it
 changes is of the second: of the ends of contact, and of corners that press on walls. Its share is that which it had
 from the refinement before, and never less than that of a crack or a punch, the strongest of all. So what was told too
-large on coarse meshes is not carried on.
+large on coarse meshes is not kept.
 """
 
 from __future__ import annotations

@@ -182,3 +182,18 @@ def test_penalty_terms_of_any_stiffness_take_over_from_ones_that_follow_the_path
     walls = small_tissue(1, 2, order=1).walls
     moduli = np.ones(int(walls.body.max()) + 1)
     assert len(Penalty(stiffness=stiffness).stages(walls, moduli, reach=0.1)) > 1
+
+
+def test_what_a_path_has_adapted_is_remembered_and_taken_up_again():
+    tissue = small_tissue(1, 2)
+    mine, other = (PenaltyContact(tissue.walls, tissue.contact.stiffness, 0.1) for _ in range(2))
+    thickness, stored = float(mine.walls.thickness.min()), StoredEnergy(lambda: (np.zeros(2), 1e9))
+    positions = tissue.positions(tissue.body_translation(1, np.array([-0.03 * thickness, 0.0])))
+    assert mine.memory() == {}  # penalty terms that do not adapt have nothing to remember
+    mine.restart(early=True)
+    assert mine.update_multipliers(mine.pair(positions), positions, stored)[0] > 0
+    other.recall(mine.memory())
+    assert other.raised == mine.raised == 10
+    assert other.pair(positions).energy(positions) == mine.pair(positions).energy(positions)
+    assert other.update_multipliers(other.pair(positions), positions, stored)[0] > 0  # and goes on to adapt
+    assert mine.raised == 10

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import inf, isnan
 
 import numpy as np
 import pytest
 
-from ngcell.results.error import MOST_REMAINS, Errors, Numbers, Refining, estimate
+from ngcell.results.error import Errors, Numbers, estimate
+from ngcell.results.gaps_of_pairs import GapsOfPairs
+from ngcell.results.parts_of_error import MOST_REMAINS, Refining, error_in_parts
 
 
 def numbers(energy: float, force: float = 1.0, gap: float = 1.0, besides: float = 0.0, overlap: float = 0.0) -> Numbers:
@@ -93,3 +96,46 @@ def test_a_mean_gap_that_vanishes_is_judged_by_what_counts_as_opened():
     errors = estimate(found, by_order(0.5))
     assert errors.mean_gap == pytest.approx(1e-4, rel=1e-12)
     assert errors.relative == pytest.approx(1e-2, rel=1e-12)
+
+
+#: Refinements by an order, by a grade alone, by an order, and by both: what they leave of corners and elsewhere.
+IN_PARTS = [Refining(0.5), Refining(0.5, elsewhere=0.6), Refining(0.1, True, 1.0), Refining(0.6, False, 0.5)]
+IN_PARTS += [Refining(0.07, True, 0.5)]
+
+
+def in_parts(corners: float, others: float) -> list[float]:
+    """Return the errors of the meshes, those of corners and others on the second mesh given."""
+    of_corners = corners * np.cumprod([1.0, *(how.remains for how in IN_PARTS[1:])])
+    of_others = others * np.cumprod([1.0, *(how.elsewhere for how in IN_PARTS[1:])])
+    return list(of_corners + of_others)
+
+
+@pytest.mark.parametrize("number", [4, 5])
+def test_an_error_of_two_parts_is_told_exactly_once_a_grade_has_told_them_apart(number: int):
+    errors = in_parts(1.0, 0.5)
+    found = [numbers(9.0), *(numbers(3.0 + error) for error in errors)]
+    assert estimate(found[: number + 1], IN_PARTS).energy == pytest.approx(errors[number - 1], rel=1e-12)
+    assert error_in_parts([1.0, 0.5, 0.2], IN_PARTS) is None  # the grade itself is told by the order before
+
+
+def test_a_number_is_told_the_largest_change_of_any_mesh_beside_that_of_the_potential():
+    """The gap jumps once, as much as the potential changes there, and then stays."""
+    errors = in_parts(1.0, 0.5)
+    gaps = [5.0, 2.0, 2.0, 2.0, 2.0 + errors[2] - errors[3], 2.0 + errors[2] - errors[3]]
+    found = [numbers(energy, gap=gap) for energy, gap in zip([9.0, *(3.0 + e for e in errors)], gaps, strict=True)]
+    assert estimate(found, IN_PARTS).mean_gap == pytest.approx(errors[4], rel=1e-12)
+
+
+def test_gaps_are_compared_over_the_walls_that_are_held_on_the_last_mesh():
+    """A third body rattles: on one mesh something holds it, on the next nothing does."""
+    bodies, length = np.array([[0, 1], [1, 2]]), np.ones(2)
+
+    def with_gaps(first: float, second: float, is_held: bool) -> Numbers:
+        integral = np.array([first, second])
+        gaps = GapsOfPairs(bodies, np.array([True, is_held]), length, integral, integral)
+        mean, largest = gaps.mean_and_largest(gaps.is_held)
+        return replace(numbers(2.0), mean_gap=mean, largest_gap=largest, gaps=gaps)
+
+    one, two = with_gaps(1.0, 9.0, True), with_gaps(1.1, 3.0, False)
+    assert estimate([one, two], by_order(0.5)).mean_gap == pytest.approx(0.1, rel=1e-12)
+    assert estimate([two, one], by_order(0.5)).mean_gap == pytest.approx(2.95, rel=1e-12)  # held: it counts

@@ -11,7 +11,8 @@ from netgen import occ
 
 from ngcell import read_case, record, simulate
 from ngcell.errors import CaseError
-from ngcell.results.error import Numbers, Refining, estimate
+from ngcell.results.error import Numbers, estimate
+from ngcell.results.parts_of_error import Refining
 from ngcell.results.record import StepRecord
 from ngcell.results.rupture.cells import BURST, SEPARATED, WHOLE, CellEnds, at_rest, end_of
 from ngcell.results.rupture.load import rupture_load

@@ -7,11 +7,11 @@ from math import inf
 import pytest
 from netgen import occ
 
-from ngcell import Body, BodyScene, MooneyRivlin, read_case
+from ngcell import Body, BodyScene, Case, MooneyRivlin, read_case
 from ngcell.build.stages import singular_exponent, stages_of
 from ngcell.geometry.shapes import mesh_shapes
 from ngcell.mechanics.space import DisplacementSpace
-from tests.prisms import case
+from tests.prisms import MATERIAL, case
 from tests.tissues import small_tissue
 
 RUBBER = MooneyRivlin(c1=1.0, c2=1.0, bulk_modulus=10.0)
@@ -80,3 +80,13 @@ def test_the_highest_order_is_estimated_by_one_that_nobody_may_give():
     for scene in (*given, block_scene(order=6)):
         kept, finer = (stage.scene for stage in stages_of(scene))
         assert [getattr(one, "mesh", one).order for one in (kept, finer)] == [6, 7]
+
+
+def test_filled_irregular_cells_begin_at_an_order_that_settles_their_walls():
+    """At order 2 their walls end up where order 3 does not leave them."""
+    tissue = {"kind": "voronoi", "cells": 9, "extent": [5.0, 5.0], "seed": 2, "wall": 0.1}
+    solid = {"kind": "inclusion", "material": {**MATERIAL, "c1": 0.01}}
+    load = {"kind": "plates", "stretch": 0.98, "levels": 1}
+    entries = {"title": "filled", "tissue": tissue, "material": MATERIAL, "load": load, "accuracy": 0.01}
+    assert steps(Case.model_validate({**entries, "lumen": solid})) == [(order, 1) for order in range(3, 7)]
+    assert steps(Case.model_validate(entries))[0] == (2, 1)

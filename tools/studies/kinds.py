@@ -43,7 +43,7 @@ COLUMNS = (
 CERTIFIED, NOT_CERTIFIED, UNFINISHED, FAILED = "certified", "not certified", "out of time", "failed"
 #: How much tissues are deformed, and how much longer than asked for a run may take before it is ended from outside.
 SHARE, _PATIENCE = 0.2, 1.5
-#: Load stepping does not make its first step from rest if it is given one level.
+#: Levels of bonds, which are followed.
 _LEVELS_OF_BONDS = 10
 #: Energies of both strategies that differ by less, as a share, are one equilibrium.
 _SAME = 1e-4
