@@ -59,8 +59,8 @@ def gaps_of_pairs(facing: FacingWalls, gap: Array, free_bodies: tuple[int, ...])
     np.maximum.at(largest, facing.pair, gap)
     return GapsOfPairs(
         bodies=facing.pairs,
-        is_held=~np.isin(facing.pairs, np.asarray(free_bodies)).any(axis=1),
-        length=np.bincount(facing.pair, facing.weight, count),
-        integral=np.bincount(facing.pair, facing.weight * gap, count),
+        is_held=np.asarray(~np.isin(facing.pairs, np.asarray(free_bodies)).any(axis=1)),
+        length=np.bincount(facing.pair, facing.weight, count).astype(float),
+        integral=np.bincount(facing.pair, facing.weight * gap, count).astype(float),
         largest=largest,
     )
