@@ -83,9 +83,9 @@ def test_what_the_energy_may_still_fall_counts_in_its_error(weight: float, centr
     case = ngcell.read_case("shear-empty-3x3", SMALL)
     *_, rushed = ngcell.simulate(case, options=Options(solver=SolverOptions(continuation=continuation)))
     *_, usual = steps()
-    # It goes on to a finer mesh, on which energies are lower.
+    # It goes on to a finer mesh, on which energies are lower, and so is what the mesh errs by.
     assert rushed.record.energy_error > abs(rushed.record.energy - usual.record.energy)
-    assert rushed.record.energy_error > 2 * usual.record.energy_error
+    assert rushed.record.energy_error > usual.record.energy_error
     # No body is held: as long as one is, there are more centres, under smaller weights.
     assert failures(rushed) == ("estimated_error",)
 
