@@ -236,11 +236,8 @@ class Term(ABC):
         """Take over what the same term on a coarser mesh knows at an equilibrium on that mesh."""
 
     def update_multipliers(self, at: Configuration, stored: StoredEnergy) -> tuple[float, float]:
-        """Update multipliers, or a penalty that is too soft, at an equilibrium that stores this energy.
-
-        Returns by how much conditions that the energy only approaches were missed: a length, and the energy that stands
-        for it; zeros where there are none.
-        """
+        """Update multipliers, or a penalty that is too soft, at an equilibrium that stores this energy; return by how
+        much conditions that the energy only approaches were missed, a length and an energy: zeros where none were."""
         return 0.0, 0.0
 
     def take_multipliers(self, keys: Index, lowered: Array) -> None:
@@ -266,14 +263,13 @@ class Term(ABC):
         return None
 
     def overlap_over(self, at: Configuration, thickness: Array) -> float | None:
-        """Return the deepest overlap over the thickness of the thinner of the two bodies; None where bodies are not
-        kept apart. `thickness` has shape (bodies,) [length]."""
+        """Return the deepest overlap over the thinner body's thickness, shape (bodies,) [length]; None where none is
+        seen."""
         overlap = self.overlap(at)
         return None if overlap is None else overlap / float(thickness.min())
 
     def overlap_work(self, at: Configuration) -> float:
-        """Return forces times overlaps of the term [energy]: by no more than that, rigid contact would change energies.
-        """
+        """Return forces times overlaps [energy]: by no more than that, rigid contact would change energies."""
         return 0.0
 
     @property

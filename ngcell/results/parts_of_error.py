@@ -3,8 +3,10 @@
 Grading alone, without a higher order, lowers the first part only, by a share that its singularity tells; so it tells
 how large that part is. Each refinement after it lowers the first part by a share that is known, and what else it
 changes is of the second: of the ends of contact, and of corners that press on walls. Its share is that which it had
-from the refinement before, and never less than that of a crack or a punch, the strongest of all. So what was told too
-large on coarse meshes is not kept.
+from the refinement before, and never less than that of a crack or a punch, the strongest of all. Where a refinement
+both grades and raises the order, which part its change is of is not known: both fall by their shares, and what it
+changes beyond that counts as one of the second part that had not been told. So what was told too large on coarse
+meshes is not kept.
 """
 
 from __future__ import annotations
@@ -50,10 +52,16 @@ def error_in_parts(changes: Sequence[float], refined: Sequence[Refining]) -> flo
         return None
     first = alone[-1]
     corners = changes[first] * refined[first].remains / (1 - refined[first].remains)
-    before, others = 0.0, 0.0
+    before, others, share = 0.0, 0.0, 0.0
     for change, how in zip(changes[first + 1 :], refined[first + 1 :], strict=True):
         other = max(change - corners * (1 - how.remains), 0.0)
-        measured = other / before if before > 0 else 0.0
-        share = min(max(measured, how.elsewhere), MOST_REMAINS)
-        corners, others, before = corners * how.remains, other * share / (1 - share), other
+        if how.is_graded:
+            share = max(share, how.elsewhere)
+            untold, before = max(other - others * (1 - share), 0.0), 0.0
+            others = share * others + untold * share / (1 - share)
+        else:
+            measured = other / before if before > 0 else 0.0
+            share = min(max(measured, how.elsewhere), MOST_REMAINS)
+            others, before = other * share / (1 - share), other
+        corners *= how.remains
     return max(corners + others, changes[-1] * refined[-1].remains / (1 - refined[-1].remains))

@@ -118,6 +118,15 @@ def test_an_error_of_two_parts_is_told_exactly_once_a_grade_has_told_them_apart(
     assert error_in_parts([1.0, 0.5, 0.2], IN_PARTS) is None  # the grade itself is told by the order before
 
 
+@pytest.mark.parametrize("strength", [0.52, 0.6, 0.75, 1.0])
+def test_what_a_grade_and_an_order_leave_together_hardly_depends_on_the_singularity_that_is_assumed(strength: float):
+    """Changes of a sheared tissue of polygons: 6.8e-6 by a grade, then 1.2e-6 by an order, then 1.0e-6 by both."""
+    at_corners = [0.2 ** (2 * strength), 0.8 ** (4 * strength), (5 / 6) ** (4 * strength) * 0.2 ** (2 * strength)]
+    shares = zip(at_corners, [True, False, True], [1.0, 0.8**2, (5 / 6) ** 2], strict=True)
+    left = error_in_parts([6.8e-6, 1.2e-6, 1.0e-6], [Refining(*share) for share in shares])
+    assert left is not None and 0.8e-6 < left < 2.5e-6
+
+
 def test_a_number_is_told_the_largest_change_of_any_mesh_beside_that_of_the_potential():
     """The gap jumps once, as much as the potential changes there, and then stays."""
     errors = in_parts(1.0, 0.5)
