@@ -206,7 +206,9 @@ def until_conditions_hold(
 ) -> Minimum:
     """Update multipliers and minimise in turn until what is missed is nothing beside `length`.
 
-    Where the active set cycles, it goes on for at most so many iterations.
+    Where the active set cycles, it goes on for at most so many iterations. Multipliers are foreseen where an accuracy
+    is asked for: those that updates approach slowly, as of confined walls, then miss by some times what is judged,
+    which is nothing beside the accuracy. Without one they are updated one by one.
     """
     before, was_increased, spent = float("inf"), False, minimiser.effort.iterations
     met = options.condition * length
@@ -221,8 +223,9 @@ def until_conditions_hold(
         if was_increased:
             minimiser.problem.increase_penalty()
         before = missed
-        start = with_foreseen_multipliers(minimiser, minimum, missed, max(options.foreseen * missed, met / 10))
-        tolerance = options.update * energy
+        start, tolerance = minimum.state.displacement, options.update * energy
+        if options.sufficient:
+            start = with_foreseen_multipliers(minimiser, minimum, missed, max(options.foreseen * missed, met / 10))
         minimum, _ = minimised(minimiser, start, minimum.proximal, options.at_the_end, name, tolerance, options.cycling)
         if not minimum.is_found:
             return minimum
