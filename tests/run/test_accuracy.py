@@ -6,12 +6,13 @@ from dataclasses import replace
 from functools import cache
 from math import isfinite, isnan, nan
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
 import ngcell
+from ngcell.build import refinement
 from ngcell.build.options import Options
 from ngcell.build.reported import Step
 from ngcell.build.simulation import Simulation
@@ -19,7 +20,8 @@ from ngcell.build.stages import Stage
 from ngcell.cli.summary import summary_lines
 from ngcell.errors import CaseError
 from ngcell.export import read_summary
-from ngcell.results.error import ERROR_NAMES
+from ngcell.results.equilibrium import numbers_of
+from ngcell.results.error import ERROR_NAMES, Numbers
 from ngcell.results.finding import compare
 from ngcell.results.quantities import View
 from ngcell.scene import Expected
@@ -77,8 +79,16 @@ def test_the_weight_with_which_it_does_changes_nothing_that_was_asked_for(weight
 
 
 @pytest.mark.parametrize(("weight", "centres"), [(1.0, 4), (0.1, 2)])
-def test_what_the_energy_may_still_fall_counts_in_its_error(weight: float, centres: int):
+def test_what_the_energy_may_still_fall_counts_in_its_error(
+    weight: float, centres: int, monkeypatch: pytest.MonkeyPatch
+):
     """Too few centres for a large weight: bodies have not come to rest."""
+    falls = list[float]()
+
+    def without_falls(*given: Any) -> Numbers:
+        falls.append(given[-1])
+        return numbers_of(*given[:-1], 0.0)
+
     continuation = ContinuationOptions(recentred=weight, most_recentred=centres)
     case = ngcell.read_case("shear-empty-3x3", SMALL)
     *_, rushed = ngcell.simulate(case, options=Options(solver=SolverOptions(continuation=continuation)))
@@ -86,6 +96,10 @@ def test_what_the_energy_may_still_fall_counts_in_its_error(weight: float, centr
     # It goes on to a finer mesh, on which energies are lower, and so is what the mesh errs by.
     assert rushed.record.energy_error > abs(rushed.record.energy - usual.record.energy)
     assert rushed.record.energy_error > usual.record.energy_error
+    monkeypatch.setattr(refinement, "numbers_of", without_falls)
+    *_, untold = ngcell.simulate(case, options=Options(solver=SolverOptions(continuation=continuation)))
+    assert falls[-1] > 0.05 * rushed.record.energy_error
+    assert rushed.record.energy_error - untold.record.energy_error == pytest.approx(falls[-1], rel=1e-6)
     # No body is held: as long as one is, there are more centres, under smaller weights.
     assert failures(rushed) == ("estimated_error",)
 
