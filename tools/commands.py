@@ -42,8 +42,21 @@ class Commands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in self._names:
             return None
-        found: click.Command = import_module(f"{self._package}.{cmd_name.replace('-', '_')}").command
+        try:
+            found: click.Command = import_module(f"{self._package}.{cmd_name.replace('-', '_')}").command
+        except ModuleNotFoundError as missing:
+            return _lacking(cmd_name, missing)
         return found
+
+
+def _lacking(name: str, missing: ModuleNotFoundError) -> click.Command:
+    """Return a command that says which library it lacks."""
+    needed = f"needs {missing.name}, which is not installed: pip install \".[test]\" brings all that tools need"
+
+    def refuse() -> None:
+        raise click.ClickException(f"{name} {needed}")
+
+    return click.Command(name, callback=refuse, short_help=f"({needed})")
 
 
 def described(text: str | None) -> Callable[[Callable[..., Any]], click.Command]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from operator import attrgetter
 from pathlib import Path
 from time import process_time
@@ -37,6 +38,15 @@ def test_each_package_lists_its_commands_with_a_line_each(package):
     assert answer.exit_code == 0, answer.output
     commands = answer.output.partition("Commands:\n")[2].splitlines()
     assert [line.split()[0] for line in commands] == GROUPS[package].list_commands(Context(GROUPS[package]))
+
+
+def test_a_command_whose_library_is_not_installed_says_so_and_the_others_are_listed(monkeypatch):
+    monkeypatch.setitem(sys.modules, "psutil", None)
+    monkeypatch.delitem(sys.modules, "tools.studies.sweeps", raising=False)
+    listed = CliRunner().invoke(studies.commands, ["--help"])
+    assert listed.exit_code == 0 and "irregular" in listed.output, listed.output
+    answer = CliRunner().invoke(studies.commands, ["sweeps"])
+    assert answer.exit_code == 1 and "sweeps needs psutil" in answer.output and "[test]" in answer.output
 
 
 def test_modules_are_no_scripts():
