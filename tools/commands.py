@@ -51,7 +51,7 @@ class Commands(click.Group):
 
 def _lacking(name: str, missing: ModuleNotFoundError) -> click.Command:
     """Return a command that says which library it lacks."""
-    needed = f"needs {missing.name}, which is not installed: pip install \".[test]\" brings all that tools need"
+    needed = f'needs {missing.name}, which is not installed: pip install ".[test]" brings all that tools need'
 
     def refuse() -> None:
         raise click.ClickException(f"{name} {needed}")

@@ -178,14 +178,8 @@ class Level(Generic[Scene]):
 
     def _by_meant_contact(self, led: Refined[Scene]) -> Minimum:
         """Return the minimum by the contact that is meant, beside one by a contact that only leads to it."""
-        minimiser, state = self._released.minimisers[-1], cast(State, led.accepted.minimum.state)
-        minimiser.adopt_matrix(self._released.minimisers[-2])
-        minimiser.forget_matrix()
-        minimiser.problem.apply(led.accepted.load_factor)
-        minimiser.problem.start_from(led.problem, state)
-        path = self._released.path.handing_over() if led.accepted.minimum.proximal.weight else None
-        length, options = self._released.longest_step, self.simulation.options.solver
-        return settled((minimiser,), state.displacement, length=length, options=options, path=path)
+        self._released.problem.apply(led.accepted.load_factor)
+        return self._released.handed_over(led.accepted.minimum, led.problem)
 
     def _prepare(
         self, softer: Minimisers, minimisers: Minimisers, coarse: Refined[Scene], start: Array, own: Problem

@@ -224,7 +224,7 @@ class Problems:
             self.continuation,
             is_alone=self.bodies.body_count == 1,
             is_mixed=self._scales.stiffest > self._scales.softest,
-            stability=self.options.solver.stability,
+            options=self.options.solver,
         )
 
     def softer_in_bulk(self, count: int) -> tuple[Minimiser, ...]:

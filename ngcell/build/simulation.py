@@ -73,9 +73,9 @@ class Simulation(Problems):
         stages = stages_of(scene) if stage is None else (stage,)
         options = options or Options()
         finer_options = options.for_accuracy(scene.accuracy)
-        is_given = len(stages) > 1 and not stages[-1].is_reported
-        # A mesh that the case gives is the one that is reported: its contact, too, is as stiff as the accuracy asks.
-        leads = len(stages) > 1 and not is_given
+        # A mesh that is reported has contact as stiff as the accuracy asks, also if a case gives it.
+        leads = len(stages) > 1 and stages[-1].is_reported
+        is_given = len(stages) > 1 and not leads or not scene.estimate_error
         mine = finer_options if is_given else options.for_path() if leads else options
         super().__init__(stages[0].scene, clock or Clock(), mine, terms)
 

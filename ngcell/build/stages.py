@@ -97,6 +97,8 @@ def not_estimated(scene: AnyCase | BodyScene) -> str:
     """Return why the errors of a scene are not estimated; empty where they are."""
     if isinf(scene.accuracy):
         return "accuracy = inf"
+    if not scene.estimate_error:
+        return "estimate_error = false"
     return "bonds remember how they were loaded" if scene.cohesion is not None else ""
 
 

@@ -157,8 +157,9 @@ class BodyScene:
     title : str
         One line that says what happens.
     accuracy : float
-        Relative error that energy, plate force and mean gap may have, > 0; infinite where no error is to be
-        estimated.
+        Relative error that energy, plate force and mean gap may have, > 0; infinite where nothing is to follow from it.
+    estimate_error : bool
+        Whether errors are estimated, by elements of higher orders.
 
     Raises
     ------
@@ -180,6 +181,7 @@ class BodyScene:
     observables: Sequence[Any] = ()
     title: str = ""
     accuracy: float = DEFAULT_ACCURACY
+    estimate_error: bool = True
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "bodies", sequence_of(self.bodies, Body, "bodies"))

@@ -58,7 +58,10 @@ class Case(Section):
         What holds walls together; by default nothing does.
     accuracy : float
         Relative error that energy, plate force and mean gap may have, > 0; the mesh follows from it, and a
-        result whose estimated error is larger is not certified. Infinite where no error is to be estimated.
+        result whose estimated error is larger is not certified. Infinite where nothing is to follow from it.
+    estimate_error : bool
+        Whether errors are estimated, on finer meshes. Where they are not, results are of the mesh of the load path, and
+        contact and the end of the continuation follow from `accuracy` alone.
     mesh : MeshChoice
         How finely the walls are resolved; what is said here is kept.
     observables : tuple of Rotation
@@ -77,6 +80,7 @@ class Case(Section):
     contact: Contact = _default("contact")
     cohesion: Cohesion | None = None
     accuracy: Accuracy = DEFAULT_ACCURACY
+    estimate_error: bool = True
     mesh: MeshChoice = MeshChoice()
     observables: Observables = ()
     expected: Annotated[tuple[Expected, ...], Strict(False)] = ()

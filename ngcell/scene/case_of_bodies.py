@@ -84,8 +84,11 @@ class BodyCase(Section):
         How the load path is followed; by default by single steps, and with cohesion by load stepping.
     accuracy : float
         Relative error that energy, plate force and mean gap may have, > 0; the order of the elements follows
-        from it, and a result whose estimated error is larger is not certified. Infinite where no error is to be
-        estimated.
+        from it, and a result whose estimated error is larger is not certified. Infinite where nothing is to follow
+        from it.
+    estimate_error : bool
+        Whether errors are estimated, on finer meshes. Where they are not, results are of the mesh of the load path, and
+        contact and the end of the continuation follow from `accuracy` alone.
     mesh : BodyMeshChoice
         How finely the bodies are resolved; what is said here is kept.
     observables : tuple of Rotation
@@ -105,6 +108,7 @@ class BodyCase(Section):
     cohesion: Cohesion | None = None
     strategy: Strategy | None = None
     accuracy: Accuracy = DEFAULT_ACCURACY
+    estimate_error: bool = True
     mesh: BodyMeshChoice = BodyMeshChoice()
     observables: Observables = ()
     expected: Annotated[tuple[BodyExpected, ...], Strict(False)] = ()

@@ -12,7 +12,7 @@ from ngcell.scene.dotted import key_path
 from ngcell.scene.lines import KeyPath
 
 #: Keys that change nothing of what a title says.
-_SAYS_NOTHING = {"title", "source", "expected", "accuracy", "mesh"}
+_SAYS_NOTHING = {"title", "source", "expected", "accuracy", "estimate_error", "mesh"}
 #: Longest value that a title tells.
 _LONGEST = 30
 

@@ -19,7 +19,7 @@ from ngcell.scene.section import validated
 from ngcell.scene.written_bodies import written_bodies
 
 #: Keys that say how a scene is solved, or nothing about it: expected numbers hold whatever they are.
-_NOT_OF_THE_SCENE = {"title", "source", "strategy", "steps", "contact", "mesh", "accuracy"}
+_NOT_OF_THE_SCENE = {"title", "source", "strategy", "steps", "contact", "mesh", "accuracy", "estimate_error"}
 
 
 def read_case(path_or_name: str | Path, overrides: Sequence[str] = ()) -> AnyCase:

@@ -72,9 +72,9 @@ def settled(
         if not minimum.is_found:
             return minimum
         start, before = minimum.state.displacement, minimiser
-    last = minimisers[-1]
     assert minimum is not None
-    return replace(until_conditions_hold(last, minimum, length, options.continuation), to_fall=minimum.to_fall)
+    numbers = options.continuation if path is None else path.options
+    return replace(until_conditions_hold(minimisers[-1], minimum, length, numbers), to_fall=minimum.to_fall)
 
 
 def stable(

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.solve.continuation import Continuation, until_conditions_hold
+from ngcell.solve.continuation import Continuation, rested, until_conditions_hold
 from ngcell.solve.effort import Effort
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Ending, Minimum
-from ngcell.solve.options import StabilityOptions
+from ngcell.solve.options import SolverOptions
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.problem import Problem
 from ngcell.solve.proximal import ProximalTerm
+from ngcell.solve.refined import settled
 from ngcell.solve.stability import stable_minimum
 from ngcell.solve.step import Accepted, StepFailed, spent
 
@@ -39,6 +40,8 @@ class Released:
     is_mixed : bool
         Whether some bodies are stiffer than others. A decrement sees forces divided by stiffness, and would end with
         those on stiff bodies out of balance: there the last minimisation goes down to round-off.
+    options : SolverOptions
+        The solver's own numbers; those of the path are the path's.
     """
 
     apart: Minimiser
@@ -46,7 +49,7 @@ class Released:
     path: Continuation
     is_alone: bool = False
     is_mixed: bool = False
-    stability: StabilityOptions = field(default_factory=StabilityOptions)
+    options: SolverOptions = field(default_factory=SolverOptions)
 
     @property
     def effort(self) -> Effort:
@@ -130,7 +133,7 @@ class Released:
             minimiser,
             minimum,
             lambda below: until_conditions_hold(minimiser, below, length, self.path.options),
-            self.stability,
+            self.options.stability,
             scale=self.path.scale,
             length=length,
         )
@@ -146,13 +149,33 @@ class Released:
         begin = self.path.begin(self.apart, start, centre)
         if not begin.is_found:
             return begin
-        for first in range(len(self.minimisers)):
-            minimum = self.path.select(begin.state, self.minimisers[first:], centre, may_stall=may_stall)
+        is_led, stages, path = self._is_led, self.minimisers, self.path
+        if is_led:
+            stages, path = stages[:-1], replace(path, options=replace(path.options, only_leads=True))
+        for first in range(len(stages)):
+            minimum = path.select(begin.state, stages[first:], centre, may_stall=may_stall)
             if minimum.is_found or minimum.ending is Ending.NO_ENERGY:
                 break
-            if first + 1 < len(self.minimisers):
-                self.minimisers[first + 1].problem.start_from(self.minimisers[first].problem, minimum.state)
+            if first + 1 < len(stages):
+                stages[first + 1].problem.start_from(stages[first].problem, minimum.state)
+        if is_led and minimum.is_found:
+            minimum = rested(self.minimisers[-1], self.handed_over(minimum, stages[-1].problem), self.path)
         return minimum
+
+    @property
+    def _is_led(self) -> bool:
+        """Whether a penalty follows the whole path, and multipliers come in at its end."""
+        ends_early = self.path.options.sufficient > 0 and not self.path.options.only_leads
+        return ends_early and len(self.minimisers) > 1 and self.problem.has_multipliers
+
+    def handed_over(self, led: Minimum, before: Problem) -> Minimum:
+        """Return the minimum by the contact that is meant, beside one of the problem `before`, which leads to it."""
+        last = self.minimisers[-1]
+        last.adopt_matrix(self.minimisers[-2])
+        last.forget_matrix()
+        last.problem.start_from(before, led.state)
+        path, start = self.path.handing_over() if led.proximal.weight else None, led.state.displacement
+        return settled((last,), start, length=self.longest_step, options=self.options, path=path)
 
     def _alone(self, start: Array, proximal: ProximalTerm) -> Minimum | None:
         """Return the minimum of a body that is alone; None if there are more, or if none was found."""

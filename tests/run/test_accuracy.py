@@ -182,6 +182,22 @@ def test_a_run_without_accuracy_says_that_nothing_was_estimated(tmp_path: Path):
     assert ngcell.inspect(case)["error_not_estimated"] == "accuracy = inf"
 
 
+@pytest.mark.parametrize("contact", ["penalty", "mortar"])
+def test_without_an_estimate_the_solver_is_as_exact_as_with_one_and_the_mesh_is_that_of_the_load_path(contact):
+    """Contact is as stiff, and the end of the continuation as near, as on the same mesh with an estimate."""
+    sets = ("mesh.order=3", "accuracy=0.1", f"contact.kind={contact}")
+    *_, told = steps(*sets)
+    *_, plain = steps(*sets, "estimate_error=false")
+    assert isfinite(told.record.energy_error) and isnan(plain.record.energy_error)
+    assert plain.record.certified and plain.mesh == told.mesh and len(plain.meshes) == 1
+    for name in ("energy", "plate_force_x", "mean_gap"):
+        assert getattr(plain.record, name) == getattr(told.record, name), name
+    *_, endless = steps("mesh.order=3", "accuracy=inf", f"contact.kind={contact}")
+    assert plain.record.factorisations < endless.record.factorisations
+    found = ngcell.inspect(ngcell.read_case("shear-empty-3x3", [*SMALL, *sets, "estimate_error=false"]))
+    assert found["error_not_estimated"] == "estimate_error = false" and found["accuracy"] is None
+
+
 def test_a_run_with_an_estimate_has_no_such_word(tmp_path: Path):
     recording = ngcell.record(ngcell.read_case("shear-empty-3x3", SMALL), tmp_path / "out", pictures=False)
     assert [record.certified for record in recording][-1]

@@ -53,14 +53,16 @@ class TissueLoad(Protocol):
 
 
 class EndsOfPrisms(Section):
-    """What loads in the plane say of prisms, whose ends are free, held or under a pressure.
+    """What loads in the plane say of prisms, whose ends are free, held, under a pressure, or in a plane of symmetry.
 
     Parameters
     ----------
     kind : str
         The kind of load.
-    ends : {"free", "held", "pressed"}, optional
-        Whether the ends of prisms are free, as by default, held along z, as in plane strain, or under a pressure.
+    ends : {"free", "held", "mirrored", "pressed"}, optional
+        Whether the ends of prisms are free, as by default, held along z, as in plane strain, or under a pressure. Of
+        mirrored prisms the lower ends are held along z, and the upper ones are free: they are one half of prisms twice
+        as high whose ends are free, in a state that is symmetric about the plane between both halves.
     end_pressure : float, optional
         Force on both ends of pressed prisms per reference area, a stress, inwards along z whichever way the ends
         turn; it grows with the load. Below 0 it pulls.
@@ -70,7 +72,7 @@ class EndsOfPrisms(Section):
     """
 
     kind: str
-    ends: Literal["free", "held", "pressed"] | None = None
+    ends: Literal["free", "held", "mirrored", "pressed"] | None = None
     end_pressure: float | None = None
     levels: Levels = 10
 
@@ -90,6 +92,8 @@ class EndsOfPrisms(Section):
     def check_scope(self, scene: dict[str, Any]) -> None:
         """Refuse keys of prisms in a planar tissue, and a pressure on ends beside what comes before the load."""
         only_for_prisms(self, scene, "ends", "end_pressure")
+        if self.ends == "mirrored" and getattr(scene.get("tissue"), "end_wall", None) is not None:
+            refuse("has a tissue.end_wall between both halves; allowed: without one", "ends")
         before_load = getattr(scene.get("lumen"), "before_load", None)
         if self.end_pressure is not None and before_load is not None:
             allowed = 'with empty lumens, inclusions or a lumen.pressure of ramp = "with-load"'
@@ -97,9 +101,10 @@ class EndsOfPrisms(Section):
 
     def held_ends(self, space: DisplacementSpace) -> list[Support]:
         """Return the supports that hold the ends of prisms along z."""
-        if self.ends != "held":  # which planar cells refuse, see `check_scope`
+        held = {"held": f"{UPPER_END}|{LOWER_END}", "mirrored": LOWER_END}.get(self.ends or "free")
+        if held is None:  # which planar cells refuse, see `check_scope`
             return []
-        return [Support(f"{UPPER_END}|{LOWER_END}", np.zeros((3, 3)), np.zeros(3), (False, False, True))]
+        return [Support(held, np.zeros((3, 3)), np.zeros(3), (False, False, True))]
 
     def tractions(self) -> tuple[Traction, ...]:
         """Return the forces on the ends of pressed prisms, none for others.
