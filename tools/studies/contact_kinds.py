@@ -152,9 +152,9 @@ def command(only: str, show: bool) -> None:
         for run in runs:
             if again and run[2] == "ngsolve":
                 continue
+            new = measured(*run)
             rows = tables.read(TABLE)
             old = [row for row in rows if (row["scene"], row["setting"], row["contact"]) == run]
-            new = measured(*run)
             kept = cheaper(new, old[0] | {"seconds": float(old[0]["seconds"])}) if again and old else new
             merged: list[Row] = [*(row for row in rows if row not in old), kept]
             merged.sort(key=_place)
