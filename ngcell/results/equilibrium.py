@@ -166,5 +166,7 @@ def _held_by_nothing(problem: Problem, setup: Setup, forces: ContactForces, prox
     # Where no pull is left, a force that a certificate takes for balance holds nothing.
     largest = max(float(forces.pressed.max(initial=0.0)), scales_of(problem.space, setup.modulus, 0.0).force)
     free = forces.pressed <= np.maximum(HELD * pull, LIMITS["residual"] * largest)
-    free[np.unique(problem.space.body_of_unknown[setup.motion.fixed.any(0)])] = False
+    # A support holds a body if it leaves it no direction: mirrored prisms may still move in the plane.
+    body, count = problem.space.body_of_unknown, len(free)
+    free[np.all([np.bincount(body[fixed], minlength=count) > 0 for fixed in setup.motion.fixed], axis=0)] = False
     return tuple(int(body) for body in np.flatnonzero(free))
