@@ -143,6 +143,8 @@ class Level(Generic[Scene]):
             self._prepare(softer, last, coarse, start, mine.problem_of(accepted.phase, only_leads=only_leads))
             try:
                 length, options = self._released.longest_step, mine.options.solver
+                if only_leads:  # nobody asks for its last digits
+                    options = replace(options, continuation=replace(options.continuation, refined=options.handed_on))
                 minimum = settled(last, start, softer=softer, length=length, options=options, path=path)
             except OutOfIterations:
                 return None

@@ -8,6 +8,7 @@ and what is factorised again and again, as walls close and open, is the matrix o
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +45,7 @@ class Elimination:
         pointer = np.concatenate([[0], np.cumsum(np.bincount(row[inside], minlength=size))])
         of_free = sparse.csr_array((lower.data[inside], lower.indices[inside], pointer), shape=lower.shape)
         self.cliques = find_cliques(of_free, free & ~touched)
-        is_kept = np.ones(size, dtype=bool)
+        self.is_kept = is_kept = np.ones(size, dtype=bool)
         for cliques in self.cliques:
             is_kept[cliques.inside] = False
         self.kept = np.flatnonzero(is_kept)
@@ -124,22 +125,23 @@ class Condensed:
             left = left - np.bincount(cliques.around.ravel(), taken.ravel(), len(right))
         return left[self.elimination.kept]
 
-    def solution(self, right: Array, kept: Array) -> Array:
-        """Return the whole solution from that of the unknowns that are kept."""
-        whole = np.zeros_like(right)
+    def alone(self, right: Array) -> list[Array]:
+        """Return the solutions of what is eliminated, the rest at 0: for each size of cliques, shape (cliques, m)."""
+        pairs = zip(self.elimination.cliques, self.parts, strict=True)
+        return [_solved(among, right[cliques.inside][..., None])[..., 0] for cliques, (among, _) in pairs]
+
+    def solution(self, alone: list[Array], kept: Array) -> Array:
+        """Return the whole solution from that of the unknowns that are kept, and those of `alone`."""
+        whole = np.zeros(len(self.elimination.is_kept))
         whole[self.elimination.kept] = kept
-        for cliques, (among, pulled) in zip(self.elimination.cliques, self.parts, strict=True):
-            own = _solved(among, right[cliques.inside][..., None])[..., 0]
+        for cliques, (_, pulled), own in zip(self.elimination.cliques, self.parts, alone, strict=True):
             whole[cliques.inside] = own - np.einsum("cmq,cq->cm", pulled, whole[cliques.around])
         return whole
 
-    def change(self, right: Array) -> float:
+    def change(self, right: Array, alone: list[Array]) -> float:
         """Return the change of ``x K x / 2 - right x`` as what is eliminated finds its minimum, the rest at 0."""
-        change = 0.0
-        for cliques, (among, _) in zip(self.elimination.cliques, self.parts, strict=True):
-            mine = right[cliques.inside]
-            change -= 0.5 * float(np.vdot(mine, _solved(among, mine[..., None])))
-        return change
+        pairs = zip(self.elimination.cliques, alone, strict=True)
+        return -0.5 * sum(float(np.vdot(right[cliques.inside], own)) for cliques, own in pairs)
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,12 +155,16 @@ class Reduced:
 
     def whole(self, step: Array) -> Array:
         """Return the step of all unknowns."""
-        return self.condensed.solution(self.right, step)
+        return self.condensed.solution(self._alone, step)
 
     @property
     def change(self) -> float:
         """Change of the model as what is eliminated finds its minimum."""
-        return self.condensed.change(self.right)
+        return self.condensed.change(self.right, self._alone)
+
+    @cached_property
+    def _alone(self) -> list[Array]:
+        return self.condensed.alone(self.right)
 
 
 class CondensedMatrix:
@@ -211,8 +217,8 @@ class CondensedMatrix:
     def solve(self, right: Array) -> Array:
         """Return the solution of the factorised system; 0 in rows that are not free."""
         assert self._solved is not None  # `factorise` has made it
-        right = np.where(self._free, right, 0.0)
-        return self._solved.solution(right, self._solved.elimination.matrix.solve(self._solved.right(right)))
+        right, solved = np.where(self._free, right, 0.0), self._solved
+        return solved.solution(solved.alone(right), solved.elimination.matrix.solve(solved.right(right)))
 
     def multiply(self, stiffness: Stiffness, vector: Array) -> Array:
         """Return the product of the symmetric matrix and a vector."""

@@ -61,7 +61,8 @@ def settled(
     for minimiser in minimisers:
         if before is not None and minimum is not None:
             minimiser.problem.start_from(before.problem, minimum.state)
-        share = refined if minimiser is minimisers[-1] else options.handed_on
+        is_last = minimiser is minimisers[-1] and not minimiser.problem.has_multipliers
+        share = refined if is_last else options.handed_on  # multipliers that are still missed are not worth more
         if path is None:
             held = ProximalTerm(weight, start)
             minimum = minimiser.minimise(start, held, share * abs(minimiser.problem.at(start).energy))
@@ -73,8 +74,14 @@ def settled(
             return minimum
         start, before = minimum.state.displacement, minimiser
     assert minimum is not None
+    last, to_fall = minimisers[-1], minimum.to_fall
     numbers = options.continuation if path is None else path.options
-    return replace(until_conditions_hold(minimisers[-1], minimum, length, numbers), to_fall=minimum.to_fall)
+    minimum = until_conditions_hold(last, minimum, length, numbers)
+    enough = refined * abs(minimum.state.energy)
+    if minimum.is_found and minimum.decrement > enough:
+        exact = last.minimise(minimum.state.displacement, minimum.proximal, enough)
+        minimum = until_conditions_hold(last, exact, length, numbers) if exact.is_found else exact
+    return replace(minimum, to_fall=to_fall)
 
 
 def stable(
