@@ -17,6 +17,7 @@ from typing import Any
 
 import click
 from matplotlib.figure import Figure
+from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
 import ngcell
 from tools import tables
@@ -110,7 +111,7 @@ def told(row: Row, number: str) -> float | None:
 
 def report(rows: Sequence[Row]) -> str:
     """Return the table of errors and times."""
-    names = (number.removesuffix("_x").replace("_", " ") for number in NUMBERS)
+    names = (number.replace("_", " ") for number in NUMBERS)
     head = ("scene", "setting", "contact", *names, "certified", "iterations", "factorisations", "s", "code")
     lines = []
     for row in rows:
@@ -138,13 +139,19 @@ def draw(rows: Sequence[Row]) -> None:
         for kind, colour in zip(KINDS, ("C0", "C1", "C2"), strict=True):
             mine = [row for row in rows if (row["scene"], row["contact"]) == (scene, kind)]
             points = [(float(row["seconds"]), found(rows, row, "energy"), row["certified"]) for row in mine]
-            shown = [(x, y, good) for x, y, good in points if y]
+            shown = [(x, 100 * y, good) for x, y, good in points if y]
             axes.plot([x for x, *_ in shown], [y for _, y, _ in shown], color=colour, label=kind)
             for x, y, good in shown:
                 face = colour if str(good) == "True" else "white"
                 axes.plot(x, y, "o", color=colour, markerfacecolor=face)
-        axes.set(xscale="log", yscale="log", title=scene, xlabel="processor seconds", ylabel="error of the energy")
-    panels[0].legend(frameon=False)
+        axes.set(xscale="log", yscale="log", title=scene, xlabel="processor seconds", ylabel="error of the energy [%]")
+        axes.margins(0.15)
+        falls_far = SCENES[scene][2] is ORDERS
+        for axis, parts in ((axes.xaxis, (1, 2, 5)), (axes.yaxis, (1,) if falls_far else (1, 2, 5))):
+            axis.set_major_locator(LogLocator(subs=parts))
+            axis.set_major_formatter(FormatStrFormatter("%g"))
+            axis.set_minor_formatter(NullFormatter())
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="lower right", frameon=False)
     figure.savefig(FIGURE, dpi=110)
 
 
