@@ -193,7 +193,7 @@ def test_a_scheduler_and_two_workers_started_by_hand_serve_a_sweep(undisturbed, 
     given = ("--scheduler-file", str(address_file))
     worker = ("distributed.cli.dask_worker", *given, *here, "--nthreads", "1", "--local-directory", str(tmp_path))
     with started("distributed.cli.dask_scheduler", *given, *here, "--port", "0"):
-        until(address_file.exists)
+        until(lambda: address_file.exists() and "address" in address_file.read_text(encoding="utf-8"))
         with started(*worker, "--name", "a"), started(*worker, "--name", "b"):
             address = pandas.read_json(address_file, typ="series")["address"]
             runs = Sweep(folder / "study.toml", tmp_path / "out", SweepOptions(scheduler=address))
@@ -209,7 +209,7 @@ def test_a_sweep_whose_last_worker_is_killed_keeps_what_has_ended(undisturbed, t
     given = ("--scheduler-file", str(address_file))
     worker = ("distributed.cli.dask_worker", *given, *here, "--nthreads", "1", "--local-directory", str(tmp_path))
     with started("distributed.cli.dask_scheduler", *given, *here, "--port", "0"):
-        until(address_file.exists)
+        until(lambda: address_file.exists() and "address" in address_file.read_text(encoding="utf-8"))
         address = pandas.read_json(address_file, typ="series")["address"]
         with started(*worker) as only:
             runs = Sweep(folder / "study.toml", tmp_path / "out", SweepOptions(scheduler=address, wait=0.05))
