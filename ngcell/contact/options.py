@@ -20,6 +20,9 @@ class ContactOptions:
         not the penalty terms, > 1.
     allowed : float
         How deep a point constraint of the mortar method may sink in, as a share of the size of its facet, > 0.
+    covered : float
+        Share of the integral of a function of the mortar method that other walls have to cover for it to have a
+        multiplier, in [0, 1).
     penalty_multiple : float
         Stiffness of the penalty method that is meant, > 0, and of the one from which the mortar method takes over: as
         stiff as the accuracy asks, so that the equilibria on finer meshes are those of the penalty method.
@@ -40,6 +43,7 @@ class ContactOptions:
     facing: float = -0.8
     between: float = 2.0
     allowed: float = 2.5e-4
+    covered: float = 0.01
     penalty_multiple: float = 10.0
     path_multiple: float = 1.0
     stored: float = 0.01

@@ -1,15 +1,17 @@
 """The proximal point method: the end of a path, where the proximal term holds bodies where they have come free.
 
 Each minimum is the centre of the next proximal term (Rockafellar 1976, doi:10.1137/0314056), so that bodies that
-nothing holds stay, and no proximal force is left in the end. `recentred` goes on until the energy hardly falls any
-more; `at_rest` goes down to round-off. That is reached under a weight that holds what rattles: under a vanishing one
-the same digits take several times the iterations, since cells that are free slide along others for nothing.
+nothing holds stay, and no proximal force is left in the end. Where they creep on, the next centre is ahead of the
+minimum, by what the last two ways foresee (Anderson 1965, doi:10.1145/321296.321305). `recentred` goes on until the
+energy hardly falls any more; `at_rest` goes down to round-off. That is reached under a weight that holds what rattles:
+under a vanishing one the same digits take several times the iterations, since cells that are free slide along others
+for nothing.
 """
 
 from __future__ import annotations
 
 import logging
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,10 +35,11 @@ def recentred(minimiser: Minimiser, start: Array, weight: float, options: Contin
     is told. Where falls are slow, the weight is lowered.
     """
     proximal, fallen, scale = ProximalTerm(weight, start), float("inf"), weight / options.recentred
+    energy, ways, place = minimiser.problem.at(start).energy, _Ways(minimiser), start
     for _ in range(options.most_recentred):
-        energy, name = minimiser.problem.at(proximal.centre).energy, proximal.weight / scale
+        name = proximal.weight / scale
         sufficient = max(options.sufficient * abs(energy), _nothing(minimiser, options))
-        minimum, _ = minimised(minimiser, proximal.centre, proximal, 0.0, name, options.update * sufficient)
+        minimum, _ = minimised(minimiser, place, proximal, 0.0, name, options.update * sufficient)
         if not minimum.is_found:
             return minimum
         minimiser.problem.update_multipliers(minimum.state)
@@ -45,7 +48,10 @@ def recentred(minimiser: Minimiser, start: Array, weight: float, options: Contin
         to_fall = fallen / (1 - min(max(ratio, 0.0), options.idle))
         is_slow = ratio > (options.idle_at_last if to_fall <= sufficient else options.idle)
         weight = max(proximal.weight / 10, scale * options.last) if is_slow else proximal.weight
-        proximal = ProximalTerm(weight, minimum.state.displacement)
+        place, energy = minimum.state.displacement, minimum.state.energy
+        if weight != proximal.weight or fallen < 0:
+            ways = _Ways(minimiser)
+        proximal = ProximalTerm(weight, ways.next_centre(proximal.centre, place, options.idle))
         if to_fall <= sufficient and pull_on_bodies(minimiser, minimum, options.felt) <= 1:
             break
     return replace(minimum, to_fall=to_fall)
@@ -97,6 +103,37 @@ def minimised(
 def _nothing(minimiser: Minimiser, options: ContinuationOptions) -> float:
     """Return the energy that is told from nothing no more."""
     return options.hardly_strained**2 * minimiser.energy_scale
+
+
+@dataclass
+class _Ways:
+    """The last ways from a centre to the minimum near it, under one weight.
+
+    Attributes
+    ----------
+    minimiser : Minimiser
+        What goes them.
+    """
+
+    minimiser: Minimiser
+    _last: tuple[Array, Array] | None = None
+
+    def next_centre(self, centre: Array, place: Array, idle: float) -> Array:
+        """Return the next centre after the minimum `place`: where ways that shrink by a steady ratio lead to.
+
+        That is one step of Anderson's method of depth 1. The ratio is at most `idle`, and the centre at most a longest
+        step ahead.
+        """
+        way, before = place - centre, self._last
+        self._last = way, place
+        if before is None:
+            return place
+        shrunk, moved = before[0] - way, place - before[1]
+        weighed, farthest = self.minimiser.problem.mass @ shrunk, float(np.abs(moved).max())
+        if not farthest or not float(shrunk @ weighed):
+            return place
+        share = max(float(way @ weighed) / float(shrunk @ weighed), 0.0)
+        return np.asarray(place + min(share, idle / (1 - idle), self.minimiser.longest_step / farthest) * moved)
 
 
 def pull_on_bodies(minimiser: Minimiser, minimum: Minimum, share: float) -> float:

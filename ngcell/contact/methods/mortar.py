@@ -15,6 +15,10 @@ rest. Surfaces of order 1 are polygons that stand for what bends; their sagitta 
 hands over to the mortar method. The allowance falls with the mesh; it keeps point constraints out of smooth contact,
 where they would take pressure from walls.
 
+Where the end of another wall covers hardly anything of what a function acts on, its multiplier would be determined by a
+sliver: large, for a force of nothing, and a wall that slides back from the sliver gains by it. There a function has no
+multiplier, only its penalty term, until more is covered (`ContactOptions.covered`).
+
 Between two edges at a concave joint a point comes to rest where its gap has a kink: there both edges hold it, each with
 a multiplier (`ngcell.contact.methods.notches`).
 
@@ -139,6 +143,7 @@ class MortarContact:
             pressure=self.multipliers[rows],
             stiffness=(self._pace * self._stiffness)[rows],
             weight=self._weight[rows],
+            is_covered=average.sum(1) >= self._options.covered,
         )
 
     def _point_row(self, point: Index, body: Index) -> Index:
@@ -248,7 +253,7 @@ class MortarContact:
 
     def _applied(self, contact: MortarSet, positions: Array) -> Array:
         applied = np.zeros_like(self.multipliers)
-        applied[contact.rows] = contact.pressures(positions)
+        applied[contact.rows] = contact.multipliers(positions)
         return applied
 
 

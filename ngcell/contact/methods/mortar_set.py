@@ -40,6 +40,8 @@ class MortarSet:
         Stiffness of the penalty terms [stress / length].
     weight : array of float, shape (m,)
         Length that each multiplier acts on [length].
+    is_covered : array of bool, shape (m,)
+        Whether points cover enough of what a multiplier acts on for it to be determined.
     """
 
     kinematics: GapKinematics
@@ -50,6 +52,7 @@ class MortarSet:
     pressure: Array
     stiffness: Array
     weight: Array
+    is_covered: NDArray[np.bool_]
 
     @property
     def keys(self) -> Index:
@@ -58,12 +61,17 @@ class MortarSet:
 
     @property
     def lowered(self) -> Array:
-        """By how much multipliers lower the gaps of the penalty terms [length], shape (m,)."""
+        """By how much multipliers lower the gaps of the penalty terms [length], shape (m,); NaN where no multiplier is
+        determined."""
+        return np.where(self.is_covered, self._lowered, np.nan)
+
+    @property
+    def _lowered(self) -> Array:
         return self.pressure / self.stiffness
 
     def gaps(self, positions: Array) -> Array:
         """Return the gaps of the penalty terms [length], shape (m,)."""
-        return self.weighted_gaps(positions) - self.lowered
+        return self.weighted_gaps(positions) - self._lowered
 
     def weighted_gaps(self, positions: Array) -> Array:
         """Return the gaps that may not be negative [length], shape (m,)."""
@@ -72,6 +80,10 @@ class MortarSet:
     def pressures(self, positions: Array) -> Array:
         """Return the pressures of the penalty terms [stress], >= 0, shape (m,)."""
         return np.maximum(self.pressure - self.stiffness * self.weighted_gaps(positions), 0)
+
+    def multipliers(self, positions: Array) -> Array:
+        """Return the pressures of those that are determined, and 0 elsewhere [stress], shape (m,)."""
+        return np.where(self.is_covered, self.pressures(positions), 0.0)
 
     def energy(self, positions: Array) -> float:
         """Return the energy of the penalty terms above that of pressures at rest; 0 where all conditions hold."""
@@ -84,7 +96,7 @@ class MortarSet:
         jacobian = self.average @ self.kinematics.jacobian(slopes, positions.shape[1])
         if self.cuts is not None:
             jacobian += self.cuts.jacobian(positions)
-        moved = self.average @ gap + self.allowance - self.lowered
+        moved = self.average @ gap + self.allowance - self._lowered
         return moved, jacobian.tocsr(), self.stiffness * self.weight
 
     def curvature(self, positions: Array) -> sparse.coo_array:
@@ -98,8 +110,8 @@ class MortarSet:
         return np.asarray(self.average.T @ (self.weight * self.pressures(positions)))
 
     def missed(self, positions: Array) -> dict[str, float]:
-        """Return the deepest weighted overlap and the work of pressures on weighted gaps."""
-        gaps = self.weighted_gaps(positions)
+        """Return the deepest weighted overlap of what is covered, and the work of pressures on weighted gaps."""
+        gaps = np.where(self.is_covered, self.weighted_gaps(positions), 0.0)
         work = self.weight * self.pressures(positions) * gaps
         return {
             "weighted_overlap": max(0.0, -float(gaps.min(initial=0.0))),
