@@ -212,7 +212,10 @@ class Level(Generic[Scene]):
         return [(self.simulation.softer_in_bulk(count + left_out), stages[-count:]) for count in counts]
 
     def stable(self, found: Refined[Scene]) -> Refined[Scene]:
-        """Return a step with its lowest curvature, below a saddle if it rests on one; errors of that are not known."""
+        """Return a step with its lowest curvature, below a saddle if it rests on one; errors are as before.
+
+        None are known where its curvature is not.
+        """
         minimum, path = found.accepted.minimum, self._released.path
         is_tied, load = found.accepted.phase == "tied", found.accepted.load_factor
         minimisers = self._tied_at(minimum.state.displacement, load)[1] if is_tied else self._released.minimisers
@@ -221,11 +224,10 @@ class Level(Generic[Scene]):
         length, options = self._released.longest_step, self.simulation.options.solver
         self.simulation.renew_budget()
         try:
-            left = stable(minimiser, minimum, scale=path.scale, length=length, options=options)
+            left = stable(minimiser, minimum, length=length, options=options, path=path)
         except OutOfIterations:
             return replace(found, errors=Errors())
         if not left.is_found:
             return replace(found, errors=Errors())
         effort = found.accepted.effort + (spent((minimiser,)) - effort)
-        errors = found.errors if left.state is minimum.state else Errors()
-        return replace(found, accepted=replace(found.accepted, minimum=left, effort=effort), errors=errors)
+        return replace(found, accepted=replace(found.accepted, minimum=left, effort=effort))

@@ -15,7 +15,7 @@ from ngcell.build.stages import Stage, singular_exponent
 from ngcell.errors import CaseError
 from ngcell.problem.state import State
 from ngcell.results.equilibrium import numbers_of
-from ngcell.results.error import Errors, Numbers, estimate
+from ngcell.results.error import Errors, Numbers, errors_beside, estimate
 from ngcell.results.parts_of_error import Refining
 from ngcell.solve.step import Accepted
 
@@ -76,8 +76,12 @@ class Refinement(Generic[Scene]):
         It depends on the step alone, not on the meshes of steps before it.
         """
         found = self._refined(accepted)
-        is_new = found.accepted.minimum is not accepted.minimum  # the load path has told the curvature of its own
-        return self._levels[found.level].stable(found) if is_new else found
+        if found.accepted.minimum is accepted.minimum:  # the load path has told the curvature of its own
+            return found
+        below = self._levels[found.level].stable(found)
+        if below.accepted.minimum.state is found.accepted.minimum.state:
+            return below
+        return replace(below, errors=errors_beside(below.errors, _numbers(found), _numbers(below)))
 
     def _refined(self, accepted: Accepted) -> Refined[Scene]:
         """Return a step on the mesh that it is reported on.

@@ -130,7 +130,8 @@ class Errors:
 NO_ERRORS = Errors()
 #: Numbers whose errors are reported.
 ERROR_NAMES = ("energy", "plate_force", "contact_force", "mean_gap", "largest_gap")
-_TOLD = ("potential", "utilisation", *ERROR_NAMES)
+_REPORTED = ("utilisation", *ERROR_NAMES)
+_TOLD = ("potential", *_REPORTED)
 
 
 def estimate(
@@ -191,16 +192,38 @@ def _share(how: Refining, change: float, before: float, told: float | None) -> f
 
 def _with_contact(last: Numbers, told: dict[str, float]) -> Errors:
     """Return errors of the mesh with those of contact and the proximal term."""
-    energy_scale, force_scale, gap_scale = last.scales
-    size, softness = max(abs(last.energy), energy_scale), last.besides / max(abs(last.energy), energy_scale)
+    softness = last.besides / max(abs(last.energy), last.scales[0])
     plate = float(np.linalg.norm(last.plate_force))
-    energy, force = told["energy"] + last.besides, told["plate_force"] + softness * plate + last.pulled
-    contact = told["contact_force"] + softness * last.contact_force
-    mean, largest = told["mean_gap"] + last.overlap, told["largest_gap"] + last.overlap
-    gap_scale = max(abs(last.mean_gap), gap_scale)
-    relative = max(energy / size, force / max(plate, force_scale), mean / gap_scale)
-    utilisation = told["utilisation"] + softness * last.utilisation
-    return Errors(energy, force, contact, mean, largest, relative, utilisation)
+    besides = {
+        "energy": last.besides,
+        "plate_force": softness * plate + last.pulled,
+        "contact_force": softness * last.contact_force,
+        "mean_gap": last.overlap,
+        "largest_gap": last.overlap,
+        "utilisation": softness * last.utilisation,
+    }
+    return _judged(last, {name: told[name] + besides[name] for name in besides})
+
+
+def _judged(last: Numbers, told: Mapping[str, float]) -> Errors:
+    """Return errors with the largest relative one."""
+    energy, force, gap = last.scales
+    plate = float(np.linalg.norm(last.plate_force))
+    relative = max(
+        told["energy"] / max(abs(last.energy), energy),
+        told["plate_force"] / max(plate, force),
+        told["mean_gap"] / max(abs(last.mean_gap), gap),
+    )
+    return Errors(**told, relative=relative)
+
+
+def errors_beside(errors: Errors, there: Numbers, here: Numbers) -> Errors:
+    """Return the errors of a state beside another on the same mesh, which the errors are of.
+
+    They are larger by what has changed from there to here: meshes may lead to either.
+    """
+    there = there.over_walls_of(here)
+    return _judged(here, {name: getattr(errors, name) + _change(there, here, name) for name in _REPORTED})
 
 
 def _change(one: Numbers, two: Numbers, name: str) -> float:

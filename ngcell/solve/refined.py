@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.solve.continuation import Continuation, until_conditions_hold
+from ngcell.solve.continuation import Continuation, rested, until_conditions_hold
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Minimum
 from ngcell.solve.options import SolverOptions
@@ -85,14 +85,14 @@ def settled(
 
 
 def stable(
-    minimiser: Minimiser, minimum: Minimum, *, scale: float, length: float, options: SolverOptions
+    minimiser: Minimiser, minimum: Minimum, *, length: float, options: SolverOptions, path: Continuation
 ) -> Minimum:
-    """Return a minimum below a saddle, with contact conditions met; what is no saddle is told its lowest curvature."""
+    """Return a minimum below a saddle, at rest on the path; what is no saddle is told its lowest curvature."""
 
-    def until_met(below: Minimum) -> Minimum:
-        return until_conditions_hold(minimiser, below, length, options.continuation)
+    def until_rested(below: Minimum) -> Minimum:
+        return rested(minimiser, below, path)
 
-    return stable_minimum(minimiser, minimum, until_met, options.stability, scale=scale, length=length)
+    return stable_minimum(minimiser, minimum, until_rested, options.stability, scale=path.scale, length=length)
 
 
 def has_contact(minimisers: Sequence[Minimiser], displacement: Array, load: float) -> bool:

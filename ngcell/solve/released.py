@@ -15,8 +15,7 @@ from ngcell.solve.options import SolverOptions
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.problem import Problem
 from ngcell.solve.proximal import ProximalTerm
-from ngcell.solve.refined import settled
-from ngcell.solve.stability import stable_minimum
+from ngcell.solve.refined import settled, stable
 from ngcell.solve.step import Accepted, StepFailed, spent
 
 Array = NDArray[np.float64]
@@ -126,17 +125,8 @@ class Released:
         return Accepted("released", load, minimum, self.effort - before)
 
     def _stable(self, minimum: Minimum) -> Minimum:
-        """Return the minimum with its lowest curvature; one below it, with contact conditions met, if it is a saddle.
-        """
-        minimiser, length = self.minimisers[-1], self.longest_step
-        return stable_minimum(
-            minimiser,
-            minimum,
-            lambda below: until_conditions_hold(minimiser, below, length, self.path.options),
-            self.options.stability,
-            scale=self.path.scale,
-            length=length,
-        )
+        """Return the minimum with its lowest curvature; one below it, at rest, if it is a saddle."""
+        return stable(self.minimisers[-1], minimum, length=self.longest_step, options=self.options, path=self.path)
 
     def _selected(self, start: Array, centre: Array, may_stall: bool) -> Minimum:
         """Return the end of the path; where contact turns out too soft to follow it, that of a stiffer stage's.

@@ -181,7 +181,7 @@ class _Path:
         length, options = self._minimiser.longest_step, self._task.options
         met = until_conditions_hold(self._minimiser, minimum, length, options.continuation)
         if met is not minimum and met.is_found:
-            met = stable(self._minimiser, met, scale=self._released.path.scale, length=length, options=options)
+            met = stable(self._minimiser, met, length=length, options=options, path=self._released.path)
         return met if met.is_found else None
 
     def _fallen(self, start: Array) -> Minimum:
@@ -192,7 +192,7 @@ class _Path:
             if not minimum.is_found:
                 return minimum
             if float(np.abs(minimum.state.displacement - start).max()) <= length:
-                return stable(self._minimiser, minimum, scale=path.scale, length=length, options=self._task.options)
+                return stable(self._minimiser, minimum, length=length, options=self._task.options, path=path)
             start = minimum.state.displacement
 
     def _balance(self, start: _Stand, moved: _Stand, end: _Stand, least: float) -> tuple[float, float]:

@@ -125,6 +125,6 @@ def _minimum_of(tied: Sequence[Minimiser], task: Task, start: Array, proximal: P
         if not minimum.is_found:
             return minimum
         start = minimum.state.displacement
-    last, length, scale = tied[-1], task.released.longest_step, task.released.path.scale
+    last, length, path = tied[-1], task.released.longest_step, task.released.path
     met = until_conditions_hold(last, minimum, length, task.options.continuation)
-    return stable(last, met, scale=scale, length=length, options=task.options)
+    return stable(last, met, length=length, options=task.options, path=path)
