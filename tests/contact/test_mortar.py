@@ -307,3 +307,20 @@ def test_the_pressure_of_a_pair_is_the_same_on_both_its_walls(order):
 def test_sides_that_stand_flush_bear_no_pressure():
     _, pressure, between, _ = pressures_of_a_flat_overlap(2)
     assert pressure[~between].max() == 0
+
+
+def test_a_sliver_determines_no_multiplier():
+    """A wall that slides on covers less and less of what its last functions act on."""
+    pair = cells(3)
+    options = pair.contact._options
+    for aside, slivers in ((0.2, 0), (0.9, 1), (0.97, 1)):
+        state = pair.state(0.01, aside)
+        found = contact_set(pair.problem, state)
+        functions = pair.along_walls(state)
+        covered = found.average.sum(1) >= options.covered
+        assert (~covered[functions]).sum() == slivers and covered[~functions].all()
+        np.testing.assert_array_equal(np.isnan(found.lowered), ~covered)
+        assert (found.pressures(state.at.positions)[~covered] > 0).all()  # they are pressed, as penalty terms
+        pair.problem.update_multipliers(state)
+        multipliers = pair.contact.multipliers[found.rows]
+        assert (multipliers[~covered] == 0).all() and (multipliers[functions & covered] > 0).all()

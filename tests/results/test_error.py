@@ -8,7 +8,7 @@ from math import inf, isnan
 import numpy as np
 import pytest
 
-from ngcell.results.error import Errors, Numbers, estimate
+from ngcell.results.error import Errors, Numbers, errors_beside, estimate
 from ngcell.results.gaps_of_pairs import GapsOfPairs
 from ngcell.results.parts_of_error import MOST_REMAINS, Refining, error_in_parts
 
@@ -148,3 +148,17 @@ def test_gaps_are_compared_over_the_walls_that_are_held_on_the_last_mesh():
     one, two = with_gaps(1.0, 9.0, True), with_gaps(1.1, 3.0, False)
     assert estimate([one, two], by_order(0.5)).mean_gap == pytest.approx(0.1, rel=1e-12)
     assert estimate([two, one], by_order(0.5)).mean_gap == pytest.approx(2.95, rel=1e-12)  # held: it counts
+
+
+def test_a_state_beside_another_errs_by_what_lies_between_too():
+    """As the minimum below a saddle that the meshes led to."""
+    found = [numbers(1.0, 1.0, 2.0), numbers(1.01, 1.1, 2.02)]
+    errors, below = estimate(found, by_order(0.5)), numbers(0.95, 1.0, 2.12)
+    widened = errors_beside(errors, found[-1], below)
+    assert widened.energy == pytest.approx(errors.energy + 0.06, rel=1e-12)
+    assert widened.plate_force == pytest.approx(errors.plate_force + 0.1, rel=1e-12)
+    assert widened.mean_gap == pytest.approx(errors.mean_gap + 0.1, rel=1e-12)
+    assert widened.relative == pytest.approx(widened.plate_force / 1.0, rel=1e-12)
+    same = errors_beside(errors, found[-1], found[-1])
+    assert same == errors
+    assert isnan(errors_beside(Errors(), found[-1], below).relative)
