@@ -65,6 +65,7 @@ CHANGES: dict[str, tuple[float, ...]] = {
     "contact.mortar_multiple": (1.0, 10.0),
     "contact.between": (1.5, 4.0),
     "contact.allowed": (1.25e-4, 5e-4),
+    "contact.covered": (0.001, 0.1),
     "contact.facing": (-0.9, -0.7),
 }
 #: The same, at this accuracy, of numbers that count with a finite accuracy only.
