@@ -35,9 +35,9 @@ def recentred(minimiser: Minimiser, start: Array, weight: float, options: Contin
     is told. Where falls are slow, the weight is lowered.
     """
     proximal, fallen, scale = ProximalTerm(weight, start), float("inf"), weight / options.recentred
-    energy, ways, place = minimiser.problem.at(start).energy, _Ways(minimiser), start
+    ways, place = _Ways(minimiser), start
     for _ in range(options.most_recentred):
-        name = proximal.weight / scale
+        energy, name = minimiser.problem.at(place).energy, proximal.weight / scale  # contact may have adapted
         sufficient = max(options.sufficient * abs(energy), _nothing(minimiser, options))
         minimum, _ = minimised(minimiser, place, proximal, 0.0, name, options.update * sufficient)
         if not minimum.is_found:
@@ -48,7 +48,7 @@ def recentred(minimiser: Minimiser, start: Array, weight: float, options: Contin
         to_fall = fallen / (1 - min(max(ratio, 0.0), options.idle))
         is_slow = ratio > (options.idle_at_last if to_fall <= sufficient else options.idle)
         weight = max(proximal.weight / 10, scale * options.last) if is_slow else proximal.weight
-        place, energy = minimum.state.displacement, minimum.state.energy
+        place = minimum.state.displacement
         if weight != proximal.weight or fallen < 0:
             ways = _Ways(minimiser)
         proximal = ProximalTerm(weight, ways.next_centre(proximal.centre, place, options.idle))

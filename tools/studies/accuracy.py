@@ -75,8 +75,8 @@ def report() -> str:
         "# Error asked for, promised and found",
         "",
         "`python -m tools.studies accuracy` makes this. Errors are relative, in percent: promised / found against the",
-        "overkill mesh, the finest that a scene has a run on; effectivity is their ratio for the energy. Seconds are of the",
-        "processor.",
+        "overkill mesh, the finest that a scene has a run on; effectivity is their ratio for the energy. Seconds are",
+        "of the processor.",
         "",
         "| scene | accuracy | energy | plate force | mean gap | effectivity | order, grading | unknowns | certified "
         "| s | code |",
