@@ -185,6 +185,10 @@ class Problem:
         """Return what the energy holds without its being stored in bodies."""
         return sum(term.unstored(at) for term in self._sum)
 
+    def magnitude(self, state: State) -> float:
+        """Return the larger of the energy and of the part of it that is stored in bodies."""
+        return max(abs(state.energy), abs(state.energy - self.unstored(state.at)))
+
     def resultants(self, nodal: Array) -> Array:
         """Return the sum of nodal forces over each body, shape (bodies, dimension)."""
         return self.space.resultants(nodal)

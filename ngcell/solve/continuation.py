@@ -116,7 +116,8 @@ class Continuation:
         """Return the last minimum, and where the path may end instead, if its last stretch failed."""
         options = self.options
         rest, weight, decades = list(minimisers), self.options.first, self.options.narrowest
-        place, energy = _without_round_off(start.displacement, minimisers[0], options.last_digit), start.energy
+        place = _without_round_off(start.displacement, minimisers[0], options.last_digit)
+        magnitude = minimisers[0].problem.magnitude(start)
         missed, way, enough = 0.0, 0, None
         while not (enough and way > 2 * enough.way):
             minimiser, is_end = rest[0], len(rest) == 1 and weight <= options.end
@@ -124,7 +125,7 @@ class Continuation:
                 enough = _Enough(place, weight, way)
             is_exact = is_end and not options.sufficient
             share, least = (options.at_the_end, 0.0) if is_exact else (options.on_the_way, options.nothing)
-            least, most = max(options.update * missed, least * abs(energy)), options.cycling if enough else None
+            least, most = max(options.update * missed, least * magnitude), options.cycling if enough else None
             proximal = self._proximal(weight, centre)
             minimum, effort = minimised(minimiser, place, proximal, share, weight, least, most)
             way += effort.iterations
@@ -143,7 +144,7 @@ class Continuation:
                 return minimum, None if minimum.ending is Ending.CONVERGED else enough
             if not minimum.is_found:
                 break
-            place, energy = minimum.state.displacement, minimum.state.energy
+            place, magnitude = minimum.state.displacement, minimiser.problem.magnitude(minimum.state)
             _, missed = minimiser.problem.update_multipliers(minimum.state)
             if len(rest) > 1 and weight <= max(options.stiffen_at, options.end):
                 rest.pop(0)
@@ -214,7 +215,7 @@ def until_conditions_hold(
     met = options.condition * length
     for _ in range(options.most_updates):
         missed, energy = minimiser.problem.update_multipliers(minimum.state)
-        is_nothing = 0 < energy <= options.nothing * abs(minimum.state.energy)
+        is_nothing = 0 < energy <= options.nothing * minimiser.problem.magnitude(minimum.state)
         helpless = was_increased and missed > before / 2 and is_nothing
         if missed <= met or helpless:
             return minimum

@@ -105,6 +105,12 @@ class Problem(Protocol):
     def move(self, displacement: Array, step: Array) -> Array:
         """Return ``displacement + step``, up to terms of second order in the step."""
 
+    def magnitude(self, state: Any) -> float:
+        """Return the energy beside which others are judged: the larger of that of a state and of what is stored there.
+
+        Loads may take as much away as bodies store; the accuracy that is asked for is that of what they store.
+        """
+
     def gradient(self, state: Any) -> Array:
         """Return the gradient of the energy, shape (unknowns,)."""
 

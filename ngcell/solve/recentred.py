@@ -37,8 +37,9 @@ def recentred(minimiser: Minimiser, start: Array, weight: float, options: Contin
     proximal, fallen, scale = ProximalTerm(weight, start), float("inf"), weight / options.recentred
     ways, place = _Ways(minimiser), start
     for _ in range(options.most_recentred):
-        energy, name = minimiser.problem.at(place).energy, proximal.weight / scale  # contact may have adapted
-        sufficient = max(options.sufficient * abs(energy), _nothing(minimiser, options))
+        state, name = minimiser.problem.at(place), proximal.weight / scale  # contact may have adapted
+        energy = state.energy
+        sufficient = max(options.sufficient * minimiser.problem.magnitude(state), _nothing(minimiser, options))
         minimum, _ = minimised(minimiser, place, proximal, 0.0, name, options.update * sufficient)
         if not minimum.is_found:
             return minimum
@@ -65,7 +66,7 @@ def at_rest(
     The proximal term holds bodies as firmly as where they came free.
     """
     weight, place = scale * options.recentred, minimum.state.displacement
-    enough = share * max(abs(minimum.state.energy), _nothing(minimiser, options))
+    enough = share * max(minimiser.problem.magnitude(minimum.state), _nothing(minimiser, options))
     found, _ = minimised(minimiser, place, ProximalTerm(weight, place), 0.0, options.recentred, enough)
     return replace(found, to_fall=minimum.to_fall)
 

@@ -54,7 +54,7 @@ def settled(
     refined, weight = options.continuation.refined, 0.0 if path is None else path.scale * path.options.recentred
     for minimiser in softer:
         held = ProximalTerm(weight, start)
-        minimum = minimiser.minimise(start, held, options.handed_on * abs(minimiser.problem.at(start).energy))
+        minimum = minimiser.minimise(start, held, options.handed_on * _magnitude(minimiser, start))
         if not minimum.is_found:
             return minimum
         start = minimum.state.displacement
@@ -65,7 +65,7 @@ def settled(
         share = refined if is_last else options.handed_on  # multipliers that are still missed are not worth more
         if path is None:
             held = ProximalTerm(weight, start)
-            minimum = minimiser.minimise(start, held, share * abs(minimiser.problem.at(start).energy))
+            minimum = minimiser.minimise(start, held, share * _magnitude(minimiser, start))
         else:
             minimum = recentred(minimiser, start, weight, path.options)
             if minimum.is_found:
@@ -77,11 +77,15 @@ def settled(
     last, to_fall = minimisers[-1], minimum.to_fall
     numbers = options.continuation if path is None else path.options
     minimum = until_conditions_hold(last, minimum, length, numbers)
-    enough = refined * abs(minimum.state.energy)
+    enough = refined * last.problem.magnitude(minimum.state)
     if minimum.is_found and minimum.decrement > enough:
         exact = last.minimise(minimum.state.displacement, minimum.proximal, enough)
         minimum = until_conditions_hold(last, exact, length, numbers) if exact.is_found else exact
     return replace(minimum, to_fall=to_fall)
+
+
+def _magnitude(minimiser: Minimiser, place: Array) -> float:
+    return minimiser.problem.magnitude(minimiser.problem.at(place))
 
 
 def stable(

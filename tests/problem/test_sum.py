@@ -215,6 +215,19 @@ def test_a_sum_has_the_values_forces_and_constraints_of_its_terms(name):
     np.testing.assert_array_equal(line.gap[order], gaps)
 
 
+def test_a_load_that_takes_away_what_is_stored_makes_no_energy_small():
+    """Energies are small beside what bodies store, also where potentials of loads make up for it."""
+    tissue = cells(2)
+    at, bodies, both = place(tissue, 0.0), sum_of(tissue, "bodies"), sum_of(tissue, "bodies", "loads")
+    stored = bodies.magnitude(bodies.at(at))
+    assert stored == bodies.at(at).energy > 0
+    term = both.terms[1]
+    term.apply(-stored / term.potential(at, 1.0))
+    state = both.at(at)
+    assert abs(state.energy) < 1e-12 * stored
+    assert both.magnitude(state) == pytest.approx(stored, rel=1e-12)
+
+
 def test_the_order_of_terms_changes_nothing():
     tissue = cells(2)
     names, depth = TOGETHER["apart"]

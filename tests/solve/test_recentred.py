@@ -18,13 +18,17 @@ WEIGHT, FAR = 1.0, 0.4
 
 @dataclass
 class Bowl(Landscape):
-    """Soft along x, with its bottom at `FAR`: ``curvature (x - FAR)^2 / 2 - 1``; it presses on nothing."""
+    """Soft along x, with its bottom at `FAR`: ``curvature (x - FAR)^2 / 2 - 1``; what presses on it is a unit force."""
 
     curvature: float = 0.1
+    stored: float = 0.0
 
     def at(self, displacement: np.ndarray) -> Point:
         self.visited.append(displacement)
         return Point(displacement, self.curvature / 2 * (displacement[0] - FAR) ** 2 - 1)
+
+    def magnitude(self, state: Point) -> float:
+        return max(abs(state.energy), self.stored)
 
     def linearise(self, state: Point) -> Model:
         gradient = np.array([self.curvature * (state.displacement[0] - FAR), 0.0, 0.0])
@@ -51,3 +55,16 @@ def test_the_next_centre_is_ahead_where_bodies_creep_on(longest_step):
     assert pull <= options.felt  # what balances the slope of the bowl
     assert abs(minimum.state.displacement[0] - FAR) == pytest.approx(pull / 0.1, rel=1e-6, abs=1e-9)
     assert minimiser.effort.iterations <= 20  # 57 if centres were not ahead
+
+
+def test_minima_are_as_sure_as_what_bodies_store_asks_for():
+    """Where loads take nearly all of it away, energies that are nothing beside it are not followed."""
+    options = ContinuationOptions(felt=1.0, sufficient=1e-2, recentred=1.0)
+    spent = []
+    for stored in (0.0, 100.0):
+        minimiser = Minimiser(Bowl(stored=stored), 0.1, energy_scale=1.0)
+        minimum = recentred(minimiser, np.zeros(3), WEIGHT, options)
+        assert minimum.is_found
+        assert minimum.to_fall <= options.sufficient * max(abs(minimum.state.energy), stored)
+        spent.append(minimiser.effort.iterations)
+    assert spent[1] < spent[0]

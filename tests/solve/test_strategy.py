@@ -182,6 +182,7 @@ class FakeMinimiser:
         has_history=False,
         part=np.zeros(1, dtype=np.int64),
         at=lambda displacement: None,
+        magnitude=lambda state: abs(state.energy),
         couplings=lambda state, margin: (np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64)),
     )
     is_iterative = True
