@@ -20,7 +20,8 @@ from ngcell.geometry.shapes import check_boundaries, mesh_shapes
 from ngcell.mechanics.applied.potential import AppliedLoads
 from ngcell.mechanics.bulk import BodyEnergy
 from ngcell.mechanics.laws.law import HyperelasticLaw
-from ngcell.mechanics.loading.load import with_bodies_of
+from ngcell.mechanics.loading.load import motion_of, with_bodies_of
+from ngcell.mechanics.lumens.lumen import keeps_volume
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.mechanics.term import Term
@@ -81,7 +82,8 @@ def _tissue(case: Case) -> Discretisation:
     regions, solid = (None, None) if lumen is None else (lumen.regions(tissue), lumen.solid)
     bodies = with_bodies_of(load, tissue.mesh(load.supported, case.mesh, regions, filled=solid is not None))
     space = DisplacementSpace(bodies, case.mesh.plain_order)
-    motion, tractions = load.motion(space), load.tractions()
+    steady = lumen is not None and keeps_volume(lumen)
+    motion, tractions = motion_of(load, space, keeps_volume=steady), load.tractions()
     directions = None if wall.fibres is None else _wall_directions(bodies)
     terms: list[Term] = [BodyEnergy(space, (wall,) * bodies.body_count, directions)]
     if lumen is not None:

@@ -38,7 +38,7 @@ from ngcell.results.overlap import deepest_overlap_of_bodies
 from ngcell.results.rupture.strength import wall_strength
 from ngcell.scene import AnyCase, BodyScene, Case
 from ngcell.solve.continuation import Continuation
-from ngcell.solve.effort import Budget
+from ngcell.solve.effort import Budget, share_of_work
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.released import Released
 
@@ -78,7 +78,9 @@ class Problems:
             self.discretisation = built = discretise(scene)
             self.bodies, self.space, self.motion = built.space.bodies, built.space, built.motion
             self.walls = find_surface(self.bodies, self.space.scalar, self.space.rest)
-        self._budget = Budget(options.solver.work_of(self.bodies.body_count))
+        # Beyond `direct_bulk` stages lead to the ratio that is meant.
+        bulk = min(max(law.bulk_modulus / law.shear_modulus for law in built.solids), options.solver.direct_bulk)
+        self._budget = Budget(round(share_of_work(bulk) * options.solver.work_of(self.bodies.body_count)))
         self._scales = scales_in_reach(self.space, self.motion, built.walls, built.solids)
         self.longest_step = self._scales.thickness / 2
         self.setup = Setup(

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+#: Ratio of bulk to shear modulus up to which a step is given the usual work: that of the walls of the shipped cases.
+USUAL_BULK = 50.0
+
 
 @dataclass
 class Effort:
@@ -33,6 +36,16 @@ class Effort:
 
 class OutOfIterations(Exception):  # noqa: N818 - named as what is reported, not as a mistake
     """A step has taken all the work that it was given."""
+
+
+def share_of_work(bulk: float) -> float:
+    """Return how many times the usual work a step takes at a ratio of bulk to shear modulus, >= 1.
+
+    Newton's method crawls along curved valleys of constant volume. A step s leaves the floor of one of the radius R by
+    ``s**2 / 2 R``: what it gains is proportional to ``mu s``, what it costs to ``kappa s**4``, and so the longest that
+    lowers the energy to ``(mu / kappa)**(1/3)``.
+    """
+    return float(max(bulk / USUAL_BULK, 1.0) ** (1 / 3))
 
 
 @dataclass

@@ -124,6 +124,14 @@ def with_bodies_of(load: TissueLoad, bodies: BodyMesh) -> BodyMesh:
     return found
 
 
+def motion_of(load: TissueLoad, space: DisplacementSpace, *, keeps_volume: bool) -> PrescribedMotion:
+    """Return what a load prescribes; for cells that keep their volume by its method ``motion_at_constant_volume``,
+    which takes the space, if there is one."""
+    steady = getattr(load, "motion_at_constant_volume", None) if keeps_volume else None
+    found: PrescribedMotion = (steady or load.motion)(space)
+    return found
+
+
 def held_sides(space: DisplacementSpace, sides: str) -> list[Support]:
     """Return the supports of confined sides, which keep their place along x; none of free ones.
 

@@ -10,6 +10,7 @@ from pydantic import model_validator
 
 from ngcell.errors import CaseError
 from ngcell.geometry.bodies import LOWER_PLATE, UPPER_PLATE
+from ngcell.mechanics.loading.constant_volume import BarrellingMotion
 from ngcell.mechanics.loading.load import EndsOfPrisms, check_one_given, held_sides
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
@@ -70,20 +71,42 @@ class Plates(EndsOfPrisms):
         CaseError
             If the plates pass each other.
         """
-        height, moved = space.rest[1], self.prescribed_displacement(space)
-        lower = height[_vertices(space, LOWER_PLATE)].max()
-        upper = height[_vertices(space, UPPER_PLATE)].min()
-        _check_sides(moved[1], upper - lower)
+        (lower, upper), moved = self._plates(space), self.prescribed_displacement(space)
 
         def lifting(at: Array) -> Array:
             return np.asarray(moved[:, None] * np.clip((at[1] - lower) / (upper - lower), 0, 1))
 
+        return PrescribedMotion(space, self._supports(space), lifting)
+
+    def motion_at_constant_volume(self, space: DisplacementSpace) -> PrescribedMotion:
+        """Return the motion with a lifting that barrels or necks between the plates, and keeps the volume.
+
+        Where plates keep their distance, or nothing is free to barrel, it is that of `motion`.
+        """
+        moved, (low, high) = self.prescribed_displacement(space), space.bodies.extent
+        middle = (low + high) / 2
+        centre = {0: middle[0]} if self.sides == "free" else {}
+        if space.dimension == 3 and self.ends != "held":
+            centre[2] = low[2] if self.ends == "mirrored" else middle[2]
+        if not moved[1] or not centre:
+            return self.motion(space)
+        supports, plates = self._supports(space), self._plates(space)
+        return BarrellingMotion(space, supports, plates=plates, moved=moved, centre=centre)
+
+    def _plates(self, space: DisplacementSpace) -> tuple[float, float]:
+        """Return the heights of the lower plate and of the upper one at rest [length]."""
+        height = space.rest[1]
+        lower = float(height[_vertices(space, LOWER_PLATE)].max())
+        upper = float(height[_vertices(space, UPPER_PLATE)].min())
+        _check_sides(self.prescribed_displacement(space)[1], upper - lower)
+        return lower, upper
+
+    def _supports(self, space: DisplacementSpace) -> list[Support]:
         dimension = space.dimension
         whole, still = (True,) * dimension, np.zeros((dimension, dimension))
         below = Support(LOWER_PLATE, still, np.zeros(dimension), whole)
-        above = Support(UPPER_PLATE, still, moved, whole)
-        supports = [*self.held_ends(space), *held_sides(space, self.sides), below, above]
-        return PrescribedMotion(space, supports, lifting)
+        above = Support(UPPER_PLATE, still, self.prescribed_displacement(space), whole)
+        return [*self.held_ends(space), *held_sides(space, self.sides), below, above]
 
     def prescribed_displacement(self, space: DisplacementSpace) -> Array:
         """Return the displacement of the upper plate at load factor 1 [length]."""

@@ -34,6 +34,7 @@ class Fluid(Section):
     fill: PositiveNumber = 1.0
     ramp: Literal["with-load", "first"] = "with-load"
     goes_with_cohesion: ClassVar[bool] = False
+    keeps_volume: ClassVar[bool] = True
 
     @property
     def before_load(self) -> str | None:

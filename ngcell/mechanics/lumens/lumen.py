@@ -33,3 +33,15 @@ class LumenContents(Protocol):
         self, space: DisplacementSpace, motion: PrescribedMotion, tissue: TissueGeometry, wall: HyperelasticLaw
     ) -> tuple[Term, ...]:
         """Return the terms that it adds to the energy of a tissue with such walls."""
+
+
+def keeps_volume(contents: LumenContents) -> bool:
+    """Return whether cells with these contents rather change their shape than their volume.
+
+    A script's contents may say so by ``keeps_volume``. Solids do where a sheet of them, in plane strain, that is
+    stretched by e narrows by more than e / 2: ``nu / (1 - nu) > 1/2``, or a bulk modulus above 8/3 shear moduli.
+    """
+    said, solid = getattr(contents, "keeps_volume", None), contents.solid
+    if said is not None or solid is None:
+        return bool(said)
+    return bool(3 * solid.bulk_modulus > 8 * solid.shear_modulus)
