@@ -35,7 +35,7 @@ from ngcell.mechanics.supports import PrescribedMotion, Support
 
 Array = NDArray[np.float64]
 
-#: Logarithms of b + 1 between which the barrelling is looked for: rises of -99.99 % and of 1e4 times the height.
+#: Logarithms of b + 1 between which the barrelling is looked for: plates nearer together, and farther, than any go.
 _RANGE = (-30.0, 30.0)
 
 
