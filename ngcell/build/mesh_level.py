@@ -157,8 +157,11 @@ class Level(Generic[Scene]):
             _log.info("mesh %d: %s", coarse.level + 1, minimum.ending.value)
         return None
 
-    def finished(self, led: Refined[Scene]) -> Refined[Scene] | None:
-        """Return a step on this mesh at rest, by the contact that is meant; None where it finds no equilibrium."""
+    def finished(self, led: Refined[Scene], *, may_slide: bool = True) -> Refined[Scene] | None:
+        """Return a step on this mesh at rest, by the contact that is meant; None where it finds no equilibrium.
+
+        Or where walls slide away from where they have been led, if they may not.
+        """
         if led.accepted.phase == "tied":
             return led
         minimiser, path = self._released.minimisers[-1], self._released.path
@@ -166,8 +169,8 @@ class Level(Generic[Scene]):
         self.simulation.renew_budget()
         try:
             if led.only_leads:
-                minimum = self._by_meant_contact(led)
-            if minimum.is_found and minimum.proximal.weight:
+                minimum = self._by_meant_contact(led, may_slide)
+            elif minimum.proximal.weight:
                 minimum = rested(minimiser, minimum, path)
         except OutOfIterations:
             return None
@@ -178,10 +181,10 @@ class Level(Generic[Scene]):
         accepted = replace(led.accepted, minimum=minimum, effort=effort)
         return replace(led, problem=self.simulation.problem_of("released"), accepted=accepted, only_leads=False)
 
-    def _by_meant_contact(self, led: Refined[Scene]) -> Minimum:
+    def _by_meant_contact(self, led: Refined[Scene], may_slide: bool) -> Minimum:
         """Return the minimum by the contact that is meant, beside one by a contact that only leads to it."""
         self._released.problem.apply(led.accepted.load_factor)
-        return self._released.handed_over(led.accepted.minimum, led.problem)
+        return self._released.handed_over(led.accepted.minimum, led.problem, may_slide=may_slide)
 
     def _prepare(
         self, softer: Minimisers, minimisers: Minimisers, coarse: Refined[Scene], start: Array, own: Problem

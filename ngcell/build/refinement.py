@@ -23,6 +23,12 @@ _log = logging.getLogger(__name__)
 
 #: Refinements that most runs come to.
 _USUAL = 2
+#: Mesh on which multipliers take over from the penalty that leads to them where walls slip, whatever its error: what
+#: slides there takes a tenth of the time that it takes on the finest one.
+_SETTLED_ON = 1
+#: Change of the potential where multipliers take over, as a share of the energy over the accuracy, from which on it is
+#: walls that have slid: the penalty that leads may cost half of that.
+_SLID = 0.5
 
 
 class Refinement(Generic[Scene]):
@@ -83,10 +89,11 @@ class Refinement(Generic[Scene]):
             return below
         return replace(below, errors=errors_beside(below.errors, _numbers(found), _numbers(below)))
 
-    def _refined(self, accepted: Accepted) -> Refined[Scene]:
+    def _refined(self, accepted: Accepted, *, is_slipping: bool = False) -> Refined[Scene]:
         """Return a step on the mesh that it is reported on.
 
-        Contact pressures that are unknowns are solved for where a step is reported; a penalty leads there.
+        Contact pressures that are unknowns are solved for where a step is reported; a penalty leads there. Where they
+        find no equilibrium near its own, walls are slipping: the pressures then come in on a coarser mesh.
         """
         is_released, base = accepted.phase != "tied", self._levels[0].simulation
         is_judged = self.estimates and is_released
@@ -104,10 +111,18 @@ class Refinement(Generic[Scene]):
             last = finer
             errors = estimate(found, refined, meant=found[-1].without_contact if last.only_leads else found[-1])
             _log.info("mesh %d: energy %.6e, estimated error %.1e", last.level, found[-1].energy, errors.relative)
-            if is_judged and errors.relative > self._accuracy:
+            settles, is_fine = is_slipping and last.level == _SETTLED_ON, last.level > _SETTLED_ON
+            if is_judged and errors.relative > self._accuracy and not settles:
                 continue
-            finished = self._reported(last, found, refined)
+            finished = self._reported(last, found, refined, may_slide=is_slipping or not is_fine)
+            if finished is None and last.only_leads and is_fine and not is_slipping:
+                return self._refined(replace(accepted, effort=last.accepted.effort), is_slipping=True)
             if finished is None:
+                continue
+            here = _numbers(finished)
+            if last.only_leads and self._have_slid(found[-1], here):  # no mesh has told anything of what is here
+                found, refined = [here.without_contact], []
+                reported = last = replace(finished, errors=Errors())
                 continue
             if not is_judged or finished.errors.relative <= self._accuracy:
                 return finished
@@ -118,16 +133,20 @@ class Refinement(Generic[Scene]):
         return self._reported(last, found, refined) or reported
 
     def _reported(
-        self, last: Refined[Scene], found: Sequence[Numbers], refined: Sequence[Refining]
+        self, last: Refined[Scene], found: Sequence[Numbers], refined: Sequence[Refining], *, may_slide: bool = True
     ) -> Refined[Scene] | None:
         """Return a step at rest by the contact that is meant, with its errors; None where it finds no equilibrium.
 
         What the meshes have changed is told by minima that are as much at rest on each.
         """
-        finished = self._levels[last.level].finished(last)
+        finished = self._levels[last.level].finished(last, may_slide=may_slide)
         if finished is None:
             return None
         return replace(finished, errors=estimate(found, refined, meant=_numbers(finished)))
+
+    def _have_slid(self, led: Numbers, found: Numbers) -> bool:
+        """Return whether walls have slid on where multipliers took over: a penalty that leads costs less than that."""
+        return abs(found.potential - led.potential) > _SLID * self._accuracy * max(abs(led.energy), led.scales[0])
 
     @cached_property
     def _exponent(self) -> float:

@@ -173,12 +173,12 @@ class Continuation:
         return ProximalTerm(self.scale * weight, centre)
 
 
-def rested(minimiser: Minimiser, minimum: Minimum, path: Continuation) -> Minimum:
+def rested(minimiser: Minimiser, minimum: Minimum, path: Continuation, lowest: float = -np.inf) -> Minimum:
     """Return the equilibrium beside a minimum: conditions of contact hold, and the proximal force is no more than a
     certificate allows.
 
     As long as it is more, the minimum is the next centre; where that takes less than half of the pull away, the weight
-    is lowered.
+    is lowered. It ends where the energy falls below `lowest`.
     """
     options, before, to_fall = path.options, float("inf"), minimum.to_fall
     while minimum.is_found:
@@ -192,7 +192,7 @@ def rested(minimiser: Minimiser, minimum: Minimum, path: Continuation) -> Minimu
         _log.info("the proximal force is %.2g times what is allowed", pull)
         is_slow = pull > options.nearly_allowed or pull > before / 2
         weight, before = (weight / 10, float("inf")) if is_slow else (weight, pull)
-        minimum = at_rest(minimiser, minimum, weight / options.recentred, options, options.refined)
+        minimum = at_rest(minimiser, minimum, weight / options.recentred, options, options.refined, lowest)
     return replace(minimum, to_fall=to_fall)
 
 

@@ -73,11 +73,17 @@ class Minimiser:
         return Damper(self.problem.mass, self.problem.part, self.options)
 
     def minimise(
-        self, start: Array, proximal: ProximalTerm, tolerance: float = 0.0, most: int | None = None
+        self,
+        start: Array,
+        proximal: ProximalTerm,
+        tolerance: float = 0.0,
+        most: int | None = None,
+        lowest: float = -np.inf,
     ) -> Minimum:
         """Descend from `start` until the Newton decrement is below `tolerance` [energy], or lost in round-off.
 
-        It ends after `most` iterations, by default as many as the options say, and where they lead nowhere.
+        It ends after `most` iterations, by default as many as the options say, where they lead nowhere, and once the
+        energy is below `lowest`.
         """
         state, damping, decrement = self._at(start), self._damper.none, float("inf")
         progress = Progress(self.options.idle)
@@ -92,6 +98,8 @@ class Minimiser:
             if advance is None:
                 return Minimum(state, Ending.NO_DESCENT, decrement, proximal)
             state, damping, decrement = advance.state, advance.damping, advance.decrement
+            if state.energy < lowest:
+                return Minimum(state, Ending.SLID, decrement, proximal)
             if not advance.was_damped and (decrement <= tolerance or self._is_lost(state, decrement)):
                 return Minimum(state, Ending.CONVERGED, decrement, proximal)
             if self.problem.note_kinks(state):

@@ -21,6 +21,7 @@ class Ending(Enum):
     NO_DESCENT = "no step lowers the energy"
     NO_ENERGY = "elements are inverted at the start"
     SADDLE = "a saddle, and so were all that lie below it"
+    SLID = "walls slide away from where a penalty has led"
     CONDITIONS_MISSED = "contact conditions are not met"
 
 

@@ -60,11 +60,10 @@ class MinimiserOptions:
     noise : float
         Round-off of an energy at rest, as a share of the scale: there it is a difference of numbers of order one.
     most_refusals, most_iterations : int
-        Limits of one step and of one minimisation. Where rows of cells slide past others at once, it takes some
-        hundreds.
+        Limits of one step, and of one minimisation: where rows of cells slide past others, it takes some hundreds.
     near : float
-        Gap up to which a new matrix has room for walls that are not closed yet, as a share of the longest step. More
-        fills the matrix, and less lets it be made anew more often: from 0.03 to 0.3 a run takes the same time.
+        Gap up to which a new matrix has room for open walls, as a share of the longest step. More fills it, less lets
+        it be made anew more often: from 0.03 to 0.3 a run takes the same time.
     most_direct : int
         Most unknowns of three-dimensional scenes that are solved for by a direct solver; in the plane all are.
     inner, foreseeing : InnerOptions
@@ -107,14 +106,13 @@ class ContinuationOptions:
         Pull of the proximal term on a body that is felt, as a share of the largest force on one; and that over the
         accuracy that is asked for: half of what the certificate allows.
     sufficient, sufficient_of_accuracy : float
-        By how much the energy may still fall, as a share of itself, when no further centre of the proximal term is
-        taken; and that over the accuracy that is asked for; 0 where the centre stays.
+        By how much the energy may still fall, as a share of itself, when no further centre is taken, 0 where the centre
+        stays; and that over the accuracy that is asked for.
     recentred, most_recentred, idle, idle_at_last, refined : float, int, float, float, float
         Weight at which the proximal term begins to hold bodies where they are; the most centres; the share of a fall
         above which the next one is slow, and the weight is lowered; that share once falls suffice and only the pull is
-        felt; and the decrement of the last minimisation as a
-        share of the energy. A share of 1e-12 left forces 2.9e-6 out of balance where contact
-        is stiff, and does not tell which cells nothing holds.
+        felt; and the decrement of the last minimisation as a share of the energy: 1e-12 left forces 2.9e-6 out of
+        balance where contact is stiff, and does not tell which cells nothing holds.
     allowed, allowed_of_accuracy, nearly_allowed : float, float, float
         Pull that is allowed in a result, as a share of the largest force on a body; that over the accuracy that is
         asked for, nine tenths of what the certificate allows; and the multiple of it up to which another centre under
@@ -124,6 +122,8 @@ class ContinuationOptions:
     handover, handover_idle : float
         Weight from which multipliers take over from a penalty: without its overlaps walls slide on, far for little
         energy; and `idle_at_last` there.
+    slid, most_leads : float, int
+        Falls that suffice from which on they have slid away, and the penalty, which may cost half of it, leads again.
     hardly_strained : float
         Strain below which the energy is told from nothing no more.
     first_overlapping : float
@@ -140,10 +140,9 @@ class ContinuationOptions:
         Decrement at which a minimisation on the way, and the last one, ends: shares of the proximal energy.
     update : float
         Decrement at which a minimisation between multiplier updates ends: share of the energy of missed conditions.
-    condition, most_updates : float, int
-        Length by which conditions may be missed at the end, and the most updates to get there.
-    foreseen : float
-        Share of missed conditions that multipliers which are foreseen may leave in their model.
+    condition, most_updates, foreseen : float, int, float
+        Length by which conditions may be missed at the end, the most updates to get there, and the share of missed
+        conditions that multipliers which are foreseen may leave in their model.
     cycling : int
         Iterations of one minimisation that are active-set cycling, on the last stretch and between multiplier updates.
     slow : float
@@ -174,6 +173,8 @@ class ContinuationOptions:
     only_leads: bool = False
     handover: float = 3e-3
     handover_idle: float = 0.7
+    slid: float = 10.0
+    most_leads: int = 10
     hardly_strained: float = 1e-5
     first_overlapping: float = 1.0
     narrowest: float = 0.5

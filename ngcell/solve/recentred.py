@@ -27,12 +27,14 @@ Array = NDArray[np.float64]
 _log = logging.getLogger(__name__)
 
 
-def recentred(minimiser: Minimiser, start: Array, weight: float, options: ContinuationOptions) -> Minimum:
+def recentred(
+    minimiser: Minimiser, start: Array, weight: float, options: ContinuationOptions, lowest: float = -np.inf
+) -> Minimum:
     """Return a state near a place from which the energy hardly falls any more.
 
     It ends where all falls of the energy that are still to come, as many as go on like the last two, are no more than
     what suffices, and the proximal force is not felt; or where bodies are hardly strained at all. What may still fall
-    is told. Where falls are slow, the weight is lowered.
+    is told. Where falls are slow, the weight is lowered. An energy below `lowest` ends it, too, as no equilibrium.
     """
     proximal, fallen, scale = ProximalTerm(weight, start), float("inf"), weight / options.recentred
     ways, place = _Ways(minimiser), start
@@ -40,7 +42,7 @@ def recentred(minimiser: Minimiser, start: Array, weight: float, options: Contin
         state, name = minimiser.problem.at(place), proximal.weight / scale  # contact may have adapted
         energy = state.energy
         sufficient = max(options.sufficient * minimiser.problem.magnitude(state), _nothing(minimiser, options))
-        minimum, _ = minimised(minimiser, place, proximal, 0.0, name, options.update * sufficient)
+        minimum, _ = minimised(minimiser, place, proximal, 0.0, name, options.update * sufficient, lowest=lowest)
         if not minimum.is_found:
             return minimum
         minimiser.problem.update_multipliers(minimum.state)
@@ -59,7 +61,12 @@ def recentred(minimiser: Minimiser, start: Array, weight: float, options: Contin
 
 
 def at_rest(
-    minimiser: Minimiser, minimum: Minimum, scale: float, options: ContinuationOptions, share: float
+    minimiser: Minimiser,
+    minimum: Minimum,
+    scale: float,
+    options: ContinuationOptions,
+    share: float,
+    lowest: float = -np.inf,
 ) -> Minimum:
     """Return the minimum beside a state, down to a decrement that is a share of the energy.
 
@@ -67,7 +74,7 @@ def at_rest(
     """
     weight, place = scale * options.recentred, minimum.state.displacement
     enough = share * max(minimiser.problem.magnitude(minimum.state), _nothing(minimiser, options))
-    found, _ = minimised(minimiser, place, ProximalTerm(weight, place), 0.0, options.recentred, enough)
+    found, _ = minimised(minimiser, place, ProximalTerm(weight, place), 0.0, options.recentred, enough, lowest=lowest)
     return replace(found, to_fall=minimum.to_fall)
 
 
@@ -79,6 +86,7 @@ def minimised(
     name: float,
     enough: float = 0.0,
     most: int | None = None,
+    lowest: float = -np.inf,
 ) -> tuple[Minimum, Effort]:
     """Return a minimum under a proximal term, and what it took.
 
@@ -86,7 +94,8 @@ def minimised(
     told.
     """
     before = minimiser.effort.copy()
-    minimum = minimiser.minimise(start, proximal, max(share * minimiser.proximal_energy(start, proximal), enough), most)
+    tolerance = max(share * minimiser.proximal_energy(start, proximal), enough)
+    minimum = minimiser.minimise(start, proximal, tolerance, most, lowest)
     spent = minimiser.effort - before
     _log.info(
         "proximal weight %.0e: %s, %d iterations, %d factorisations, %d refused, energy %.8e, decrement %.0e",

@@ -28,6 +28,7 @@ def settled(
     length: float,
     options: SolverOptions,
     path: Continuation | None = None,
+    lowest: float = -np.inf,
 ) -> Minimum:
     """Return the minimum near a state that was found on a coarser mesh, as sure as its energy is asked for.
 
@@ -49,6 +50,8 @@ def settled(
         The solver's own numbers.
     path : Continuation, optional
         The continuation on this mesh, if bodies may float: the proximal term then holds them where they are.
+    lowest : float
+        Energy below which walls that may float have slid away, and no equilibrium is found [energy].
     """
     minimum, before = None, None
     refined, weight = options.continuation.refined, 0.0 if path is None else path.scale * path.options.recentred
@@ -67,9 +70,9 @@ def settled(
             held = ProximalTerm(weight, start)
             minimum = minimiser.minimise(start, held, share * _magnitude(minimiser, start))
         else:
-            minimum = recentred(minimiser, start, weight, path.options)
+            minimum = recentred(minimiser, start, weight, path.options, lowest)
             if minimum.is_found:
-                minimum = at_rest(minimiser, minimum, path.scale, path.options, share)
+                minimum = at_rest(minimiser, minimum, path.scale, path.options, share, lowest)
         if not minimum.is_found:
             return minimum
         start, before = minimum.state.displacement, minimiser

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -19,6 +20,8 @@ from ngcell.solve.refined import settled, stable
 from ngcell.solve.step import Accepted, StepFailed, spent
 
 Array = NDArray[np.float64]
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,7 +152,7 @@ class Released:
             if first + 1 < len(stages):
                 stages[first + 1].problem.start_from(stages[first].problem, minimum.state)
         if is_led and minimum.is_found:
-            minimum = rested(self.minimisers[-1], self.handed_over(minimum, stages[-1].problem), self.path)
+            minimum = self.handed_over(minimum, stages[-1].problem)
         return minimum
 
     @property
@@ -158,14 +161,37 @@ class Released:
         ends_early = self.path.options.sufficient > 0 and not self.path.options.only_leads
         return ends_early and len(self.minimisers) > 1 and self.problem.has_multipliers
 
-    def handed_over(self, led: Minimum, before: Problem) -> Minimum:
-        """Return the minimum by the contact that is meant, beside one of the problem `before`, which leads to it."""
+    def handed_over(self, led: Minimum, before: Problem, *, may_slide: bool = True) -> Minimum:
+        """Return the equilibrium by the contact that is meant, beside one of the problem `before`, which leads to it.
+
+        Where walls slide away from there, `before` leads on from where they have come to, if they may.
+        """
+        leads, last = self.minimisers[-2:]
+        options = self.path.options
+        handed_on = replace(self.options.continuation, refined=self.options.handed_on)
+        for _ in range(options.most_leads):
+            slid = options.slid * options.sufficient * leads.problem.magnitude(led.state) or np.inf
+            lowest = led.state.energy - slid
+            minimum = self._taken_over(led, before, lowest)
+            if minimum.is_found and minimum.proximal.weight:
+                minimum = rested(last, minimum, self.path, lowest)
+            if not may_slide or minimum.ending not in (Ending.SLID, Ending.NO_DESCENT):
+                break
+            _log.info(minimum.ending.value)
+            numbers, start = replace(self.options, continuation=handed_on), minimum.state.displacement
+            led = settled((leads,), start, length=self.longest_step, options=numbers, path=self.path)
+            if not led.is_found:
+                return led
+        return minimum
+
+    def _taken_over(self, led: Minimum, before: Problem, lowest: float) -> Minimum:
+        """Return what the contact that is meant makes of a minimum of the problem `before`."""
         last = self.minimisers[-1]
         last.adopt_matrix(self.minimisers[-2])
         last.forget_matrix()
         last.problem.start_from(before, led.state)
         path, start = self.path.handing_over() if led.proximal.weight else None, led.state.displacement
-        return settled((last,), start, length=self.longest_step, options=self.options, path=path)
+        return settled((last,), start, length=self.longest_step, options=self.options, path=path, lowest=lowest)
 
     def _alone(self, start: Array, proximal: ProximalTerm) -> Minimum | None:
         """Return the minimum of a body that is alone; None if there are more, or if none was found."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from math import inf
 
@@ -16,6 +17,9 @@ from ngcell.build.simulation import Simulation
 from ngcell.contact.methods.mortar import MortarContact
 from ngcell.contact.methods.penalty import PenaltyContact
 from ngcell.contact.methods.terms import ContactTerm
+from ngcell.problem.problem import Problem
+from ngcell.solve.minimum import Ending, Minimum
+from ngcell.solve.released import Released
 
 
 def simulation(*sets: str) -> Simulation:
@@ -50,12 +54,52 @@ def test_meshes_that_are_not_reported_are_led_through_by_a_penalty(monkeypatch):
         return settled(level, coarse, **how)
 
     monkeypatch.setattr(Level, "settled", noted)
-    monkeypatch.setattr(Level, "finished", lambda level, led: seen.append((led.level, False)) or finished(level, led))
+    monkeypatch.setattr(
+        Level, "finished", lambda level, led, **how: seen.append((led.level, False)) or finished(level, led, **how)
+    )
     *_, step = simulation().accepted_steps()
     assert step.record.certified
     most = len(step.meshes) - 1
     assert most > 1
     assert seen[-most - 1 :] == [*((level, True) for level in range(1, most + 1)), (most, False)]
+
+
+def test_where_walls_slip_on_a_fine_mesh_multipliers_take_over_on_a_coarser_one(monkeypatch):
+    tried: list[tuple[int, bool]] = []
+    usual, finished = solved().record, Level.finished
+
+    def slipping(level: Level, led: Refined, *, may_slide: bool = True) -> Refined | None:
+        if led.accepted.phase == "tied":
+            return finished(level, led)
+        tried.append((led.level, may_slide))
+        return finished(level, led, may_slide=may_slide) if may_slide else None
+
+    monkeypatch.setattr(Level, "finished", slipping)
+    *_, step = simulation().accepted_steps()
+    last = tried[0][0]
+    assert last > 1
+    assert tried == [(last, False), (1, True), (last, True)]
+    assert step.record.certified
+    assert step.record.energy == pytest.approx(usual.energy, rel=1e-9)  # nothing slips in fact
+    assert step.record.iterations > usual.iterations
+
+
+def test_the_penalty_leads_again_where_walls_slide_away(monkeypatch):
+    """On the coarser mesh; it comes to the same rest if it has not gone anywhere."""
+    calls: list[float] = []
+    usual, taken_over = solved("accuracy=0.1").record, Released._taken_over
+
+    def sliding_twice(released: Released, led: Minimum, before: Problem, lowest: float) -> Minimum:
+        assert lowest < led.state.energy
+        calls.append(lowest)
+        minimum = taken_over(released, led, before, lowest)
+        return minimum if len(calls) > 2 else replace(minimum, ending=Ending.SLID)
+
+    monkeypatch.setattr(Released, "_taken_over", sliding_twice)
+    *_, step = simulation("accuracy=0.1").accepted_steps()
+    assert len(calls) == 4  # on the mesh that is reported, twice on the coarser one, and on the first again
+    assert step.record.certified
+    assert step.record.energy == pytest.approx(usual.energy, rel=1e-4)
 
 
 @pytest.mark.parametrize("sets", ["accuracy=inf", "mesh.order=2"])

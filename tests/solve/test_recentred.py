@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from ngcell.solve.minimise import Minimiser
+from ngcell.solve.minimum import Ending
 from ngcell.solve.options import ContinuationOptions
 from ngcell.solve.recentred import recentred
 from tests.solve.test_minimise import Landscape, Model, Point
@@ -68,3 +69,14 @@ def test_minima_are_as_sure_as_what_bodies_store_asks_for():
         assert minimum.to_fall <= options.sufficient * max(abs(minimum.state.energy), stored)
         spent.append(minimiser.effort.iterations)
     assert spent[1] < spent[0]
+
+
+def test_it_ends_without_an_equilibrium_once_the_energy_is_too_low():
+    options = ContinuationOptions(felt=1e-3, sufficient=1e-4, recentred=1.0)
+    bowl = Bowl()
+    begin = bowl.at(np.zeros(3)).energy
+    for lowest, ending in ((-np.inf, Ending.CONVERGED), (-1.1, Ending.CONVERGED), ((begin - 1) / 2, Ending.SLID)):
+        minimiser = Minimiser(bowl, 0.1, energy_scale=1.0)
+        minimum = recentred(minimiser, np.zeros(3), WEIGHT, options, lowest)
+        assert minimum.ending is ending
+        assert minimum.is_found is (ending is Ending.CONVERGED)

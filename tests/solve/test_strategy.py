@@ -188,7 +188,12 @@ class FakeMinimiser:
     is_iterative = True
 
     def minimise(
-        self, start: np.ndarray, proximal: ProximalTerm, tolerance: float = 0.0, most: int | None = None
+        self,
+        start: np.ndarray,
+        proximal: ProximalTerm,
+        tolerance: float = 0.0,
+        most: int | None = None,
+        lowest: float = -np.inf,
     ) -> Minimum:
         goal = float(start[0])
         self.asked.append(goal)
