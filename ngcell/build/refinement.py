@@ -26,8 +26,8 @@ _USUAL = 2
 #: Mesh on which multipliers take over from the penalty that leads to them where walls slip, whatever its error: what
 #: slides there takes a tenth of the time that it takes on the finest one.
 _SETTLED_ON = 1
-#: Change of the potential where multipliers take over, as a share of the energy over the accuracy, from which on it is
-#: walls that have slid: the penalty that leads may cost half of that.
+#: Fall of the potential where multipliers take over, as a share of the energy over the accuracy, from which on walls
+#: have slid: the penalty that leads may cost half of that.
 _SLID = 0.5
 
 
@@ -145,8 +145,9 @@ class Refinement(Generic[Scene]):
         return replace(finished, errors=estimate(found, refined, meant=_numbers(finished)))
 
     def _have_slid(self, led: Numbers, found: Numbers) -> bool:
-        """Return whether walls have slid on where multipliers took over: a penalty that leads costs less than that."""
-        return abs(found.potential - led.potential) > _SLID * self._accuracy * max(abs(led.energy), led.scales[0])
+        """Return whether walls have slid on where multipliers took over: the potential falls by more than the penalty
+        that led there may cost. Without slides it rises, as overlaps go."""
+        return led.potential - found.potential > _SLID * self._accuracy * max(abs(led.energy), led.scales[0])
 
     @cached_property
     def _exponent(self) -> float:

@@ -102,6 +102,14 @@ def test_the_penalty_leads_again_where_walls_slide_away(monkeypatch):
     assert step.record.energy == pytest.approx(usual.energy, rel=1e-4)
 
 
+def test_stiff_fillings_store_more_without_overlaps_and_have_not_slid():
+    """The penalty stores a tenth less than the mortar, on the second mesh, where the error meets the accuracy."""
+    stiff = 'lumen={kind="inclusion", material={kind="mooney-rivlin", c1=100.0, c2=100.0, bulk_modulus=10000.0}}'
+    step = solved("accuracy=0.1", "tissue.rows=2", "tissue.cols=2", "load.displacement=[0.05, 0.0]", stiff)
+    assert step.record.certified
+    assert len(step.meshes) == 2
+
+
 @pytest.mark.parametrize("sets", ["accuracy=inf", "mesh.order=2"])
 def test_a_mesh_that_is_reported_has_the_contact_that_was_asked_for(sets):
     assert method(simulation(sets)) is MortarContact

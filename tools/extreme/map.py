@@ -18,7 +18,6 @@ from tools.extreme.points import points
 from tools.extreme.report import report
 from tools.places import DOCS, RESULTS
 from tools.runs import sources
-from tools.tables import read
 
 
 @described(__doc__)
@@ -30,8 +29,8 @@ def command(quick: bool, timeout: float, only: str, report_only: bool) -> None:
     """Run and report."""
     file = RESULTS / ("extreme-quick.csv" if quick else "extreme.csv")
     chosen = [point for point in points() if point.is_quick or not quick]
-    code = read(file)[0]["code"] if report_only and file.exists() else sources()
-    rows = known(file, code)
+    code = sources()
+    rows = known(file, None if report_only else code)
     for point in sorted(chosen, key=lambda point: (not point.is_quick, bool(point.perturbed_from))):
         if report_only or point.label in rows or only not in point.label:
             continue

@@ -138,12 +138,12 @@ def compare(point: Point, rows: dict[str, Row]) -> None:
         row.outcome, row.cause = WRONG, f"differs from {point.same_as}"
 
 
-def known(file: Path, code: str) -> dict[str, Row]:
-    """Return the rows that these sources have made."""
+def known(file: Path, code: str | None) -> dict[str, Row]:
+    """Return the rows that these sources have made; all of them if none are named."""
     kinds: dict[str, Any] = {"int": int, "float": float, "bool": lambda text: text == "True"}
     by_name = {field.name: kinds.get(str(field.type), str) for field in fields(Row)}
     rows = [Row(**{name: by_name[name](value) for name, value in entry.items()}) for entry in tables.read(file)]
-    return {row.label: row for row in rows if row.code == code}
+    return {row.label: row for row in rows if code in (None, row.code)}
 
 
 def write(file: Path, rows: Sequence[Row]) -> None:
