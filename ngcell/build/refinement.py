@@ -26,9 +26,6 @@ _USUAL = 2
 #: Mesh on which multipliers take over from the penalty that leads to them where walls slip, whatever its error: what
 #: slides there takes a tenth of the time that it takes on the finest one.
 _SETTLED_ON = 1
-#: Fall of the potential where multipliers take over, as a share of the energy over the accuracy, from which on walls
-#: have slid: the penalty that leads may cost half of that.
-_SLID = 0.5
 
 
 class Refinement(Generic[Scene]):
@@ -147,7 +144,9 @@ class Refinement(Generic[Scene]):
     def _have_slid(self, led: Numbers, found: Numbers) -> bool:
         """Return whether walls have slid on where multipliers took over: the potential falls by more than the penalty
         that led there may cost. Without slides it rises, as overlaps go."""
-        return led.potential - found.potential > _SLID * self._accuracy * max(abs(led.energy), led.scales[0])
+        numbers = self._levels[0].simulation.options.solver.continuation
+        share = numbers.slid * numbers.sufficient_of_accuracy * self._accuracy
+        return led.potential - found.potential > share * max(abs(led.energy), led.scales[0])
 
     @cached_property
     def _exponent(self) -> float:

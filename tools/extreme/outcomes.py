@@ -14,6 +14,7 @@ WRONG
 from __future__ import annotations
 
 import math
+import os
 import tempfile
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields
@@ -26,7 +27,8 @@ from tools import tables
 from tools.extreme.point import Point
 from tools.runs import ended, summary_in
 
-FOLDERS = Path(tempfile.gettempdir()) / "ngcell-extreme"
+#: Folders of one process: two that run at the same time do not share them.
+FOLDERS = Path(tempfile.gettempdir()) / f"ngcell-extreme-{os.getpid()}"
 
 CERTIFIED, NAMED, WRONG = "certified", "named", "WRONG"
 #: Columns of `history.csv` that are compared between points that must agree, with their powers of length and stress.
