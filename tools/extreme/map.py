@@ -10,10 +10,12 @@ point, and `docs/extreme.png` shows it; `--quick` writes to `extreme-quick.csv` 
 
 from __future__ import annotations
 
+import shutil
+
 import click
 
 from tools.commands import described
-from tools.extreme.outcomes import compare, known, solve, write
+from tools.extreme.outcomes import FOLDERS, compare, known, solve, write
 from tools.extreme.points import points
 from tools.extreme.report import report
 from tools.places import DOCS, RESULTS
@@ -38,6 +40,7 @@ def command(quick: bool, timeout: float, only: str, report_only: bool) -> None:
         compare(point, rows)
         click.echo(f"{row.outcome:9}  {row.seconds:6.1f} s  {row.label}  {row.cause}", err=True)
         write(file, list(rows.values()))
+    shutil.rmtree(FOLDERS, ignore_errors=True)
     found = [rows[point.label] for point in chosen if point.label in rows]
     asked = sum(not point.perturbed_from for point in chosen)
     report(found, asked, file.with_suffix(".md"), None if quick else DOCS / "extreme.png")
