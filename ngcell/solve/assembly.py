@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from ngcell.solve.problem import Linearisation, Problem, State
 from ngcell.solve.proximal import ProximalTerm
 from ngcell.solve.stiffness import Stiffness
 from ngcell.solve.system import System, direct_system, iterative_system
+from ngcell.solve.width import width_of_bodies
 
 Array = NDArray[np.float64]
 
@@ -69,10 +71,12 @@ class Assembly:
         if self._system is not None:
             self._system.matrix.forget()
 
-    @property
+    @cached_property
     def is_iterative(self) -> bool:
         """Whether systems are solved by iterations, and not factorised in one piece."""
-        return len(self.problem.free) > self.options.most_direct and self.problem.dimension == 3
+        if self.problem.dimension == 2 or len(self.problem.free) <= self.options.most_direct:
+            return False
+        return width_of_bodies(self.problem) > self.options.narrow
 
     @property
     def has_system(self) -> bool:

@@ -62,13 +62,12 @@ class MinimiserOptions:
     most_refusals, most_iterations : int
         Limits of one step, and of one minimisation: where rows of cells slide past others, it takes some hundreds.
     near : float
-        Gap up to which a new matrix has room for open walls, as a share of the longest step. More fills it, less lets
-        it be made anew more often: from 0.03 to 0.3 a run takes the same time.
-    most_direct : int
-        Most unknowns of three-dimensional scenes that are solved for by a direct solver; in the plane all are.
+        Gap up to which a new matrix has room for open walls, as a share of the longest step; 0.03 to 0.3 take as long.
+    most_direct, narrow : int, float
+        Unknowns and width of bodies up to either of which solids are factorised in one piece; planar scenes always are.
     inner, foreseeing : InnerOptions
-        Those of the inner problem, and of one that is a prediction: nothing judges it afterwards, so it is solved until
-        its walls have settled, and bodies that nothing touches stay where they are.
+        Those of the inner problem, and of one that nothing judges afterwards: it ends when walls have settled, and
+        bodies that nothing touches stay where they are.
     """
 
     poor: float = 1e-4
@@ -90,6 +89,7 @@ class MinimiserOptions:
     most_iterations: int = 1000
     near: float = 0.1
     most_direct: int = 200_000
+    narrow: float = 200.0
     inner: InnerOptions = field(default_factory=InnerOptions)
     foreseeing: InnerOptions = InnerOptions(most_rounds=50, worthwhile_gain=0.0)
 

@@ -24,7 +24,7 @@ def matrix_of(minimiser: Minimiser) -> object:
 @pytest.mark.parametrize("solver", ["direct", "iterative"])
 def test_entries_are_those_of_the_matrix_that_a_release_makes(height, solver):
     most = 0 if solver == "iterative" else 200_000
-    options = Options(solver=SolverOptions(minimiser=MinimiserOptions(most_direct=most)))
+    options = Options(solver=SolverOptions(minimiser=MinimiserOptions(most_direct=most, narrow=0.0)))
     simulation = Simulation(case(height), options=options)
     entries = entry_count(simulation.problem)
     assert entries == matrix_of(simulation.released.minimisers[0]).entry_count

@@ -17,7 +17,7 @@ from ngcell.solve.stiffness import Stiffness
 from tests.prisms import case
 
 #: Whatever the number of unknowns, solids are solved by iterations.
-ITERATIVE = Options(solver=SolverOptions(minimiser=MinimiserOptions(most_direct=0)))
+ITERATIVE = Options(solver=SolverOptions(minimiser=MinimiserOptions(most_direct=0, narrow=0.0)))
 
 
 class Bodies:
