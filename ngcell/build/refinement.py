@@ -97,8 +97,8 @@ class Refinement(Generic[Scene]):
         reported = last = Refined(0, base, base.problem_of(accepted.phase), accepted, Errors(), is_judged)
         if not self.estimates:
             return last
-        found, refined, errors = [_numbers(last)], list[Refining](), Errors()
-        while (finer := self._next(last, errors.relative)) is not None:
+        found, refined = [_numbers(last)], list[Refining]()
+        while (finer := self._next(last)) is not None:
             found.append(_numbers(finer))
             refined.append(self._stages[finer.level].refining(self._stages[last.level], self._exponent))
             if not self._stages[finer.level].is_reported:
@@ -119,11 +119,9 @@ class Refinement(Generic[Scene]):
             here = _numbers(finished)
             if last.only_leads and self._have_slid(found[-1], here):  # no mesh has told anything of what is here
                 found, refined = [here.without_contact], []
-                errors = Errors()
-                reported = last = replace(finished, errors=errors)
+                reported = last = replace(finished, errors=Errors())
                 continue
-            errors = finished.errors
-            if not is_judged or errors.relative <= self._accuracy:
+            if not is_judged or finished.errors.relative <= self._accuracy:
                 return finished
             reported, spent = finished, replace(last.accepted, effort=finished.accepted.effort)
             last = replace(last, accepted=spent) if last.only_leads else finished
@@ -167,12 +165,8 @@ class Refinement(Generic[Scene]):
                 return None
         return self._levels[number]
 
-    def _next(self, coarse: Refined[Scene], error: float) -> Refined[Scene] | None:
-        """Return a step on the next mesh; None where there is none, where it finds no equilibrium, or where errors are
-        too large for it."""
-        following = self._stages[coarse.level + 1 : coarse.level + 2]
-        if following and not following[0].is_within_reach(error, self._accuracy):
-            return None
+    def _next(self, coarse: Refined[Scene]) -> Refined[Scene] | None:
+        """Return a step on the next mesh; None where there is none, or where it finds no equilibrium."""
         level = self._level(coarse.level + 1)
         if level is None:
             return None

@@ -10,8 +10,8 @@ hp-Finite Element Methods, 1998). A mesh that a case gives is kept: one order mo
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import dataclass, replace
-from math import inf, isinf
+from dataclasses import dataclass
+from math import isinf
 
 import ngsolve
 import numpy as np
@@ -27,9 +27,8 @@ from ngcell.scene.mesh import HIGHEST_ORDER
 #: Order and grading of the meshes of a tissue, one after the other: what a grade leaves of an error is known only from
 #: the step in order before it.
 _TISSUE = ((2, 1), (3, 1), (4, 1), (4, 2), (5, 2), (6, 3), (7, 3))
-#: Accuracy from which on orders from this one up are left out; accuracies that the error before the last mesh may be:
-#: it has left 0.46 to 0.88 of errors, and takes twice the time of all others.
-_LOW, _FINE, _WITHIN_REACH = 0.02, 6, 2.0
+#: Accuracy from which on orders from this one up are left out.
+_LOW, _FINE = 0.02, 6
 #: Lowest order of filled cells of any shape in the plane: at order 2 they are so far off that on the next mesh their
 #: walls would have to be settled anew.
 _FILLED = 3
@@ -58,19 +57,12 @@ class Stage:
         Order of its elements, and how often they are graded towards corners.
     is_reported : bool
         Whether its numbers may be reported; else they serve an estimate only.
-    within_reach : float
-        Accuracies up to which the estimated error of the mesh before is lowered by this one; larger ones are left.
     """
 
     scene: AnyCase | BodyScene
     order: int
     grading: int
     is_reported: bool = True
-    within_reach: float = inf
-
-    def is_within_reach(self, error: float, accuracy: float) -> bool:
-        """Return whether the error estimated on the mesh before, if any, is small enough to go on to this one."""
-        return not error > self.within_reach * accuracy
 
     def refining(self, before: Stage, exponent: float) -> Refining:
         """Return how it is finer than the stage before, if a singularity of this exponent rules the error.
@@ -100,10 +92,7 @@ def stages_of(scene: AnyCase | BodyScene) -> tuple[Stage, ...]:
         chosen = [step for step in _TISSUE if scene.accuracy < _LOW or step[0] < _FINE]
     else:
         chosen = [(order, grading or 0) for order in range(2, HIGHEST_ORDER + 1)]
-    stages = [_stage(scene, *step) for step in chosen]
-    if chosen[-1] == _TISSUE[-1]:
-        stages[-1] = replace(stages[-1], within_reach=_WITHIN_REACH)
-    return tuple(stages)
+    return tuple(_stage(scene, *step) for step in chosen)
 
 
 def not_estimated(scene: AnyCase | BodyScene) -> str:
