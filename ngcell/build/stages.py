@@ -25,10 +25,8 @@ from ngcell.scene import AnyCase, BodyScene, Case
 from ngcell.scene.mesh import HIGHEST_ORDER
 
 #: Order and grading of the meshes of a tissue, one after the other: what a grade leaves of an error is known only from
-#: the step in order before it.
-_TISSUE = ((2, 1), (3, 1), (4, 1), (4, 2), (5, 2), (6, 3), (7, 3))
-#: Accuracy from which on orders from this one up are left out.
-_LOW, _FINE = 0.02, 6
+#: the step in order before it. The finest is left out where a low accuracy is asked for.
+_TISSUE, _FINE = ((2, 1), (3, 1), (4, 1), (4, 2), (5, 2), (6, 3)), 0.02
 #: Lowest order of filled cells of any shape in the plane: at order 2 they are so far off that on the next mesh their
 #: walls would have to be settled anew.
 _FILLED = 3
@@ -89,7 +87,7 @@ def stages_of(scene: AnyCase | BodyScene) -> tuple[Stage, ...]:
         lowest = _FILLED if getattr(getattr(scene, "tissue", None), "height", None) is None else 2
         chosen = [(order, 1) for order in range(lowest, HIGHEST_ORDER + 1)]
     elif is_tissue and grading is None:
-        chosen = [step for step in _TISSUE if scene.accuracy < _LOW or step[0] < _FINE]
+        chosen = list(_TISSUE if scene.accuracy < _FINE else _TISSUE[:-1])
     else:
         chosen = [(order, grading or 0) for order in range(2, HIGHEST_ORDER + 1)]
     return tuple(_stage(scene, *step) for step in chosen)
