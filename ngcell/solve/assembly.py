@@ -74,7 +74,7 @@ class Assembly:
     @cached_property
     def is_iterative(self) -> bool:
         """Whether systems are solved by iterations, and not factorised in one piece."""
-        if self.problem.dimension == 2 or len(self.problem.free) <= self.options.most_direct:
+        if len(self.problem.free) <= self.options.most_direct or self.problem.dimension == 2:
             return False
         return width_of_bodies(self.problem) > self.options.narrow
 
