@@ -208,7 +208,7 @@ def inspect(case: AnyCase | BodyScene, *, options: Options | None = None) -> dic
         "levels": list(case.level_factors),
         "matrix_entries": entries,
         "solver": solver,
-        "memory_foreseen_gib": round(foreseen_memory(entries, solver), 2),
+        "memory_foreseen_gib": round(foreseen_memory(entries, finer.space.dimension, solver), 2),
     }
 
 

@@ -122,7 +122,7 @@ def _count(volume: float, size: float, dimension: int) -> float:
 
 def _check_fits(elements: float, order: int, dimension: int, share: float, keys: str) -> None:
     entries = share * _entries(elements, order, dimension)
-    needed, there = foreseen_memory(entries), available_memory()
+    needed, there = foreseen_memory(entries, dimension), available_memory()
     if not needed <= there:
         raise TooLarge(
             f"at least {elements:.2g} elements of order {order}, for which the run would take {needed:.2g} GiB of "
@@ -163,7 +163,8 @@ def foreseen(case: Case | BodyScene) -> Foreseen | None:
         elements, dimension = float(count(case.mesh)), 2 if case.tissue.height is None else 3
         order = case.mesh.plain_order
         share, nodes = 1.0, order ** (dimension - 1) * (order + 1)
-    return Foreseen(elements * nodes * dimension, foreseen_memory(share * _entries(elements, order, dimension)))
+    entries = share * _entries(elements, order, dimension)
+    return Foreseen(elements * nodes * dimension, foreseen_memory(entries, dimension))
 
 
 def available_memory() -> float:

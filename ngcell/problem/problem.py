@@ -19,7 +19,7 @@ from scipy import sparse
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.stored import StoredEnergy
 from ngcell.mechanics.symbolic import fused, parts_of
-from ngcell.mechanics.term import Configuration, Drive, OneSided, Role, Term
+from ngcell.mechanics.term import NO_ENTRIES, Configuration, Drive, OneSided, Role, Term
 from ngcell.problem.rotation import finite_rotation_update
 from ngcell.problem.state import Linearisation, State
 from ngcell.problem.tie import Tie
@@ -164,8 +164,8 @@ class Problem:
     @cached_property
     def pattern(self) -> tuple[Index, Index]:
         """Rows and columns of the lower triangle that `Linearisation.stiffness` fills, with repetitions."""
-        parts = [term.pattern for term in self._sum]
-        row, column = (np.concatenate(part) for part in zip(*parts, strict=True))
+        parts = [pattern for term in self._sum if len((pattern := term.pattern)[0])] or [NO_ENTRIES]
+        row, column = parts[0] if len(parts) == 1 else (np.concatenate(part) for part in zip(*parts, strict=True))
         row, column, self._factors = self.unknowns.fold(row, column)
         return row, column
 

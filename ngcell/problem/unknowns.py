@@ -78,7 +78,9 @@ class OwnUnknowns:
         return np.where(self._fixed, force, 0.0)
 
     def fold(self, row: Index, column: Index) -> tuple[Index, Index, Array | None]:
-        """Return the entries as they are."""
+        """Return the entries, mirrored where they are of the upper triangle; a copy only where some are."""
+        if (row >= column).all():
+            return row, column, None
         return np.maximum(row, column), np.minimum(row, column), None
 
     def fold_matrix(self, matrix: sparse.csr_array) -> sparse.csr_array:
