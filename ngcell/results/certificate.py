@@ -39,7 +39,8 @@ _MEANING = {
     "self_penetration_over_wall": "thickness of what a body covers twice, lumens inside out included, over the "
     "thinnest wall; in the plane",
     "body_balance": "largest force out of balance on a body over the largest force in play",
-    "plate_balance": "sum of all support forces over the largest force in play",
+    "plate_balance": "sum of all support forces over the force that goes through them, from one plate to the other, or "
+    "over the largest force in play, if that is more",
     "smallest_jacobian": "lower bound of the ratio of deformed to reference volume anywhere in elements; must "
     "exceed the limit",
     "quadrature_error": "stored energy by a rule of twice the degree minus that reported, over the energy",

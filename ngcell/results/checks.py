@@ -131,12 +131,13 @@ def certify(
     space, parts = problem.space, problem.unknowns.lets_bodies_part
     held, loaded = space.resultants(nodal.reaction), space.resultants(nodal.load)
     largest = max(_largest(forces.force), _largest(held), scales.force)
+    through = float(np.linalg.norm(np.maximum(held, 0.0).sum(0)))  # from one plate to the other
     on_body = _largest(forces.on_body + held + loaded) if parts else 0.0
     common = {
         "residual": _residual(problem, state, nodal, scales),
         "penetration_over_wall": _penetration(problem, walls, state),
         "body_balance": on_body / largest,
-        "plate_balance": float(np.linalg.norm((held + loaded).sum(0))) / largest,
+        "plate_balance": float(np.linalg.norm((held + loaded).sum(0))) / max(largest, through),
         "quadrature_error": quadrature_error(problem.terms, state.at) / scales.at_stake,
         "stabilisation": _share(nodal.proximal, nodal.internal, scales),
         "work_mismatch": _work_mismatch(unstored_work, parts, path) / scales.at_stake,

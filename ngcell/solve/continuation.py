@@ -134,7 +134,7 @@ class Continuation:
             if minimum.is_found and is_end and options.sufficient:
                 minimum = recentred(minimiser, minimum.state.displacement, minimum.proximal.weight, options)
                 if minimum.is_found:
-                    minimum = at_rest(minimiser, minimum, self.scale, options, options.refined)
+                    minimum = at_rest(minimiser, minimum, self.scale, options.resting, options, options.refined)
                 return minimum if options.only_leads else rested(minimiser, minimum, self), None
             if minimum.is_found and is_end:
                 most = 2 * enough.way - way if enough else None
@@ -177,8 +177,8 @@ def rested(minimiser: Minimiser, minimum: Minimum, path: Continuation, lowest: f
     """Return the equilibrium beside a minimum: conditions of contact hold, and the proximal force is no more than a
     certificate allows.
 
-    As long as it is more, the minimum is the next centre; where that takes less than half of the pull away, the weight
-    is lowered. It ends where the energy falls below `lowest`.
+    As long as it is more, the minimum is the next centre, under no larger weight than that of the path's end; where
+    that takes less than half of the pull away, the weight is lowered. It ends where the energy falls below `lowest`.
     """
     options, before, to_fall = path.options, float("inf"), minimum.to_fall
     while minimum.is_found:
@@ -191,8 +191,10 @@ def rested(minimiser: Minimiser, minimum: Minimum, path: Continuation, lowest: f
             break
         _log.info("the proximal force is %.2g times what is allowed", pull)
         is_slow = pull > options.nearly_allowed or pull > before / 2
-        weight, before = (weight / 10, float("inf")) if is_slow else (weight, pull)
-        minimum = at_rest(minimiser, minimum, weight / options.recentred, options, options.refined, lowest)
+        lower = weight / path.scale / (10 if is_slow else 1)
+        before = float("inf") if is_slow or lower > options.recentred else pull
+        lower = min(lower, options.recentred)
+        minimum = at_rest(minimiser, minimum, path.scale, lower, options, options.refined, lowest)
     return replace(minimum, to_fall=to_fall)
 
 

@@ -19,8 +19,9 @@ class InnerOptions:
     most_rounds : int
         Most inner iterations; to stop early costs nothing but a less good step, which the outer iteration judges. Also
         the most factorisations to multipliers that are foreseen.
-    worthwhile_gain : float
-        The inner iteration ends when it gains less than this share of the decrease so far.
+    worthwhile_gain, round_off : float
+        The inner iteration ends when it gains less than this share of the decrease so far, and has not gone up where it
+        loses less than that one.
     lost : float
         Factor by which corrections of an inverse may enlarge round-off.
     most_updates : int
@@ -29,6 +30,7 @@ class InnerOptions:
 
     most_rounds: int = 8
     worthwhile_gain: float = 0.02
+    round_off: float = 1e-9
     lost: float = 1e6
     most_updates: int = 100
 
@@ -108,20 +110,19 @@ class ContinuationOptions:
     sufficient, sufficient_of_accuracy : float
         By how much the energy may still fall, as a share of itself, when no further centre is taken, 0 where the centre
         stays; and that over the accuracy that is asked for.
-    recentred, most_recentred, idle, idle_at_last, refined : float, int, float, float, float
-        Weight at which the proximal term begins to hold bodies where they are; the most centres; the share of a fall
-        above which the next one is slow, and the weight is lowered; that share once falls suffice and only the pull is
-        felt; and the decrement of the last minimisation as a share of the energy: 1e-12 left forces 2.9e-6 out of
-        balance where contact is stiff, and does not tell which cells nothing holds.
+    recentred, resting, most_recentred, idle, idle_at_last, refined : float, float, int, float, float, float
+        Weight at which the proximal term begins to hold bodies where they are; that under which last digits are found;
+        the most centres; the share of a fall above which the next one is slow, and the weight is lowered; that share
+        once falls suffice and only the pull is felt; and the decrement of the last minimisation as a share of the
+        energy: 1e-12 left forces 2.9e-6 out of balance, and does not tell which cells nothing holds.
     allowed, allowed_of_accuracy, nearly_allowed : float, float, float
         Pull that is allowed in a result, as a share of the largest force on a body; that over the accuracy that is
         asked for, nine tenths of what the certificate allows; and the multiple of it up to which another centre under
         the same weight may do.
     only_leads : bool
-        Whether the end of the path only leads to equilibria on finer meshes.
+        Whether its end only leads to equilibria on finer meshes.
     handover, handover_idle : float
-        Weight from which multipliers take over from a penalty: without its overlaps walls slide on, far for little
-        energy; and `idle_at_last` there.
+        Weight from which multipliers take over from a penalty, without which walls slide on; `idle_at_last` there.
     slid, most_leads : float, int
         Falls that suffice from which on they have slid away, and the penalty, which may cost half of it, leads again.
     hardly_strained : float
@@ -129,10 +130,9 @@ class ContinuationOptions:
     first_overlapping : float
         Weight at the start where walls overlap at rest: a larger one would hold them deep in each other, where the
         nearest wall changes from point to point and the energy is not smooth.
-    narrowest, widest : float
-        Decades by which the weight falls from one minimisation to the next, at least and at most.
-    last_digit : float
-        Length to which the place is rounded where a continuation begins.
+    narrowest, widest, last_digit : float
+        Decades by which the weight falls from one minimisation to the next, at least and at most; and the length to
+        which the place is rounded where a continuation begins.
     stiffen_at : float
         Weight at which contact stiffens: walls have found their contact pairs there, and floating cells are still held
         well enough to follow.
@@ -144,12 +144,10 @@ class ContinuationOptions:
         Length by which conditions may be missed at the end, the most updates to get there, and the share of missed
         conditions that multipliers which are foreseen may leave in their model.
     cycling : int
-        Iterations of one minimisation that are active-set cycling, on the last stretch and between multiplier updates.
-    slow : float
-        Share of what was missed before above which an update was slow.
-    nothing : float
-        Share of the energy that is nothing: a decrement on the way, or what is missed where updates hardly help, as
-        slivers of walls bear nothing.
+        Iterations of one minimisation that are active-set cycling, on the last stretch and between updates.
+    slow, nothing : float
+        Share of what was missed before above which an update was slow; and of the energy, that is nothing: a decrement
+        on the way, or what is missed where updates hardly help, as slivers of walls bear nothing.
     farthest, hold_back : float
         Longest way of a predicted centre, in longest steps or ways of the supports, and the factor of the weight that
         holds back what would go further.
@@ -163,6 +161,7 @@ class ContinuationOptions:
     sufficient: float = 0.0
     sufficient_of_accuracy: float = 0.05
     recentred: float = 1e-4
+    resting: float = 1e-2
     most_recentred: int = 30
     idle: float = 0.9
     idle_at_last: float = 0.9

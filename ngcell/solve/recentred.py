@@ -3,9 +3,9 @@
 Each minimum is the centre of the next proximal term (Rockafellar 1976, doi:10.1137/0314056), so that bodies that
 nothing holds stay, and no proximal force is left in the end. Where they creep on, the next centre is ahead of the
 minimum, by what the last two ways foresee (Anderson 1965, doi:10.1145/321296.321305). `recentred` goes on until the
-energy hardly falls any more; `at_rest` goes down to round-off. That is reached under a weight that holds what rattles:
-under a vanishing one the same digits take several times the iterations, since cells that are free slide along others
-for nothing.
+energy hardly falls any more; `at_rest` goes down to round-off. That is reached under a weight that holds firmly: under
+a small one the same digits take several times the iterations, since cells slide on along others for falls of the energy
+that suffice no more to be of interest. What the term then pulls is weighed where a state is reported.
 """
 
 from __future__ import annotations
@@ -64,17 +64,18 @@ def at_rest(
     minimiser: Minimiser,
     minimum: Minimum,
     scale: float,
+    weight: float,
     options: ContinuationOptions,
     share: float,
     lowest: float = -np.inf,
 ) -> Minimum:
     """Return the minimum beside a state, down to a decrement that is a share of the energy.
 
-    The proximal term holds bodies as firmly as where they came free.
+    The proximal term holds bodies where they are, by `weight` times `scale`.
     """
-    weight, place = scale * options.recentred, minimum.state.displacement
+    proximal = ProximalTerm(scale * weight, minimum.state.displacement)
     enough = share * max(minimiser.problem.magnitude(minimum.state), _nothing(minimiser, options))
-    found, _ = minimised(minimiser, place, ProximalTerm(weight, place), 0.0, options.recentred, enough, lowest=lowest)
+    found, _ = minimised(minimiser, proximal.centre, proximal, 0.0, weight, enough, lowest=lowest)
     return replace(found, to_fall=minimum.to_fall)
 
 
@@ -148,14 +149,24 @@ class _Ways:
 
 def pull_on_bodies(minimiser: Minimiser, minimum: Minimum, share: float) -> float:
     """Return the pull of the proximal term on a body, or on all together, over what is felt: a share of the largest
-    force on a body."""
+    force on a body, or on all together of the force that goes through the supports, if that is more."""
     problem, state = minimiser.problem, minimum.state
-    contact = problem.gradient_of_constraints(state)
-    support = np.where(problem.free, 0.0, problem.gradient(state))
+    contact = problem.resultants(problem.gradient_of_constraints(state))
+    support = problem.resultants(np.where(problem.free, 0.0, problem.gradient(state)))
     pull = problem.resultants(minimum.proximal.gradient(state.displacement, problem.mass))
-    pulled = max(_largest(pull), float(np.linalg.norm(pull.sum(axis=0))))
-    felt = share * max(_largest(problem.resultants(contact)), _largest(problem.resultants(support)))
-    return pulled / felt if felt > 0 else 0.0
+    on_body = max(_largest(contact), _largest(support))
+    on_all = max(on_body, force_through(support))
+    if not share * on_body > 0:
+        return 0.0
+    return max(_largest(pull) / on_body, float(np.linalg.norm(pull.sum(axis=0))) / on_all) / share
+
+
+def force_through(forces: Array) -> float:
+    """Return the force that goes through bodies from some supports to others, as from one plate to the other.
+
+    It is the sum of the forces on bodies, shape (bodies, dimension), that point one way in each direction.
+    """
+    return float(np.linalg.norm(np.maximum(forces, 0.0).sum(axis=0)))
 
 
 def _largest(vectors: Array) -> float:

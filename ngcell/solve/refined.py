@@ -72,7 +72,7 @@ def settled(
         else:
             minimum = recentred(minimiser, start, weight, path.options, lowest)
             if minimum.is_found:
-                minimum = at_rest(minimiser, minimum, path.scale, path.options, share, lowest)
+                minimum = at_rest(minimiser, minimum, path.scale, path.options.resting, path.options, share, lowest)
         if not minimum.is_found:
             return minimum
         start, before = minimum.state.displacement, minimiser

@@ -7,10 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
+from ngcell.solve.continuation import Continuation, rested
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Ending
 from ngcell.solve.options import ContinuationOptions
-from ngcell.solve.recentred import recentred
+from ngcell.solve.proximal import ProximalTerm
+from ngcell.solve.recentred import at_rest, force_through, pull_on_bodies, recentred
 from tests.solve.test_minimise import Landscape, Model, Point
 
 #: Weight of the proximal term, and that beside which the bowl is soft.
@@ -80,3 +82,42 @@ def test_it_ends_without_an_equilibrium_once_the_energy_is_too_low():
         minimum = recentred(minimiser, np.zeros(3), WEIGHT, options, lowest)
         assert minimum.ending is ending
         assert minimum.is_found is (ending is Ending.CONVERGED)
+
+
+def test_last_digits_are_found_under_a_firm_hold_and_the_pull_that_is_left_is_taken_away():
+    """A firm term stops the bowl after a hundredth of the way, and pulls as much as the slope does."""
+    options = ContinuationOptions(felt=1.0, sufficient=1.0, recentred=0.1, resting=10.0, allowed=1e-3)
+    minimiser, path = Minimiser(Bowl(), 1.0, energy_scale=1.0), Continuation(1.0, options)
+    begin = recentred(minimiser, np.zeros(3), 1e6, options)
+    firm = at_rest(minimiser, begin, path.scale, options.resting, options, 1e-12)
+    assert firm.state.displacement[0] == pytest.approx(0.01 * FAR, rel=0.02)
+    assert pull_on_bodies(minimiser, firm, options.allowed) == pytest.approx(0.04 / options.allowed, rel=0.02)
+    free = rested(minimiser, firm, path)
+    assert free.is_found
+    assert pull_on_bodies(minimiser, free, options.allowed) <= 1
+    assert free.state.displacement[0] == pytest.approx(FAR, rel=0.05)
+
+
+def test_the_pull_on_all_bodies_is_felt_beside_what_goes_through_the_supports():
+    """Ten bodies on either plate, each pressed by one: together they are pressed by ten."""
+    on_plates = np.repeat([[1.0, 0.0], [0.0, 0.0], [-1.0, 0.0]], 10, axis=0)
+    assert force_through(on_plates) == pytest.approx(10.0)
+    assert force_through(np.zeros((3, 2))) == 0.0
+
+    class Row(Bowl):
+        free = np.array([True, True, False])
+
+        def gradient(self, state: Point) -> np.ndarray:
+            return np.zeros(3)
+
+        def resultants(self, force: np.ndarray) -> np.ndarray:
+            return on_plates if not force.any() else np.repeat(force[None, :2], len(on_plates), axis=0)
+
+        def gradient_of_constraints(self, state: Point) -> np.ndarray:
+            return np.zeros(3)
+
+    minimiser, weight = Minimiser(Row(), 1.0, energy_scale=1.0), 1e-3
+    minimum = replace(recentred(Minimiser(Bowl(), 1.0, energy_scale=1.0), np.zeros(3), WEIGHT, ContinuationOptions()),
+                      proximal=ProximalTerm(weight, np.array([-1.0, 0.0, 0.0])))
+    way = minimum.state.displacement[0] + 1.0
+    assert pull_on_bodies(minimiser, minimum, 0.1) == pytest.approx(30 * weight * way / 10 / 0.1)
