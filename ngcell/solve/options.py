@@ -161,7 +161,7 @@ class ContinuationOptions:
     sufficient: float = 0.0
     sufficient_of_accuracy: float = 0.05
     recentred: float = 1e-4
-    resting: float = 1e-2
+    resting: float = 1e-3
     most_recentred: int = 30
     idle: float = 0.9
     idle_at_last: float = 0.9

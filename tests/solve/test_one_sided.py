@@ -83,7 +83,7 @@ def test_penalty_terms_that_the_newton_step_would_close_are_foreseen():
 
 
 def test_what_was_gained_is_kept_where_a_model_turns_out_not_to_be_convex():
-    """A stop that pushes holds what is unstable; the step opens it, and from there on the model falls without end."""
+    """A stop that presses holds what is unstable; the step opens it, and from there on the model falls without end."""
     free = np.ones(1, dtype=bool)
     matrix = GrowingMatrix(1, free, np.array([0]), np.array([0]))
     jacobian = sparse.csr_array(np.array([[1.0]]))
