@@ -131,13 +131,12 @@ def certify(
     space, parts = problem.space, problem.unknowns.lets_bodies_part
     held, loaded = space.resultants(nodal.reaction), space.resultants(nodal.load)
     largest = max(_largest(forces.force), _largest(held), scales.force)
-    through = float(np.linalg.norm(np.maximum(held, 0.0).sum(0)))  # from one plate to the other
     on_body = _largest(forces.on_body + held + loaded) if parts else 0.0
     common = {
         "residual": _residual(problem, state, nodal, scales),
         "penetration_over_wall": _penetration(problem, walls, state),
         "body_balance": on_body / largest,
-        "plate_balance": float(np.linalg.norm((held + loaded).sum(0))) / max(largest, through),
+        "plate_balance": _plate_balance(held, loaded, largest),
         "quadrature_error": quadrature_error(problem.terms, state.at) / scales.at_stake,
         "stabilisation": _share(nodal.proximal, nodal.internal, scales),
         "work_mismatch": _work_mismatch(unstored_work, parts, path) / scales.at_stake,
@@ -148,6 +147,16 @@ def certify(
     found: list[Check] = [common_check(name, value, accuracy=path.accuracy) for name, value in common.items()]
     found += [_smallest_jacobian(space, state), *_self_penetration(space, state)]
     return Certificate((*found, *checks(problem.terms, state.at, scales)))
+
+
+def _plate_balance(held: Array, loaded: Array, largest: float) -> float:
+    """Return the sum of support forces and loads on bodies, shape (bodies, dimension), over what goes through supports.
+
+    That is the sum of the forces that point one way in each direction, from one plate to the other, or the largest
+    force in play, if that is more.
+    """
+    through = float(np.linalg.norm(np.maximum(held, 0.0).sum(0)))
+    return float(np.linalg.norm((held + loaded).sum(0))) / max(largest, through)
 
 
 def _work_mismatch(unstored_work: float, parts: bool, path: Path) -> float:

@@ -161,8 +161,8 @@ class Continuation:
         """Return the continuation by which multipliers take over from a penalty: walls are held so that they stay at
         its equilibrium, or slide on in small steps."""
         mine = self.options
-        weights = replace(mine, recentred=mine.handover, last=mine.recentred, idle_at_last=mine.handover_idle)
-        return replace(self, options=weights)
+        weights = replace(mine, recentred=mine.handover, resting=max(mine.handover, mine.resting), last=mine.recentred)
+        return replace(self, options=replace(weights, idle_at_last=mine.handover_idle))
 
     def last_proximal(self, centre: Array) -> ProximalTerm:
         """Return the proximal term at the path's end, however far that goes."""

@@ -1,12 +1,12 @@
 """Descent to a minimum of an energy with one-sided penalty terms: Newton's method with a proximal term.
 
 Each iteration minimises the second-order model of the energy plus ``damping/2 |d|^2`` in the mass norm. A step is taken
-if the energy falls by a fair share of what the model foresaw; if not, the damping is raised, in the bodies where the
-model fails (`ngcell.solve.damping`), and the model, still at hand, is minimised again. A model that is not convex first
-loses the curvature of gaps, by which contact forces bend it downwards. The damping falls with every good step and is
-zero at the end, so it leaves no trace in the result. No component of a step is longer than `longest_step`: half of the
-distance in which contact is searched, so that no wall is passed unseen. A step that is too long is cut; where little
-would be left of it, the bodies that would move too far are damped instead, and the others move on.
+if the energy falls by a fair share of what the model foresaw; if not, or if the model is not convex along it, the
+damping is raised, in the bodies where the model fails (`ngcell.solve.damping`), and the model, still at hand, is
+minimised again. The damping falls with every good step and is exactly zero at the end, so it leaves no trace in the
+result. No component of a step is longer than `longest_step`: half of the distance in which contact is searched, so that
+no wall is passed unseen. A step that is too long is cut; where little would be left of it, the bodies that would move
+too far are damped instead, and the others move on.
 
 Near the minimum differences of energies drown in round-off. There the model alone is trusted.
 """
@@ -25,7 +25,7 @@ from ngcell.solve.assembly import Assembly
 from ngcell.solve.damping import Damper
 from ngcell.solve.effort import Budget, Effort
 from ngcell.solve.minimum import Advance, Ending, Minimum
-from ngcell.solve.one_sided import InnerStep, Matrix, OneSidedModel, minimise_one_sided
+from ngcell.solve.one_sided import Matrix, OneSidedModel, minimise_one_sided
 from ngcell.solve.options import MinimiserOptions
 from ngcell.solve.problem import Linearisation, Problem, State
 from ngcell.solve.proximal import ProximalTerm
@@ -140,9 +140,9 @@ class Minimiser:
         driven = matrix.multiply(model.stiffness, jump) - model.pulled(model.penalty * np.minimum(model.gap, 0))
         driven = np.where(self.problem.free, driven, 0.0)
         moved = replace(model, gradient=driven, gap=model.gap + model.jacobian @ jump)
-        found = minimise_one_sided(moved, matrix, self.options.foreseeing)
-        self.effort.factorisations += found.factorisations
-        return displacement + jump + found.step
+        step, _, rounds = minimise_one_sided(moved, matrix, self.options.foreseeing)
+        self.effort.factorisations += rounds
+        return displacement + jump + step
 
     def stiffened(self, minimum: Minimum, weight: float) -> Callable[[Array], Array]:
         """Return what solves with the tangent at a minimum plus a multiple of the mass; closed walls stay so."""
@@ -195,8 +195,8 @@ class Minimiser:
     def _ending_of_stall(self, state: State, proximal: ProximalTerm) -> Ending:
         """Return what iterations that lead nowhere mean: damping makes decrements small, whatever the forces are."""
         model, matrix = self.assembly.model(state, self.problem.linearise(state), proximal)
-        found, share = self._step(model, matrix)
-        is_balanced = found.change <= 0 and -float(model.full_gradient @ found.step) / share <= self._unseen(state)
+        step, change, share = self._step(model, matrix)
+        is_balanced = change <= 0 and -float(model.full_gradient @ step) / share <= self._unseen(state)
         return Ending.STALLED if is_balanced else Ending.NO_DESCENT
 
     def _at(self, displacement: Array) -> State:
@@ -210,22 +210,26 @@ class Minimiser:
         A state whose own decrement is within the tolerance is the last but one, even where a kink spoils its step.
         """
         with self.clock.phase("assembly"):
-            line, energy = self.problem.linearise(state), self._total(state, proximal)
+            line = self.problem.linearise(state)
+        energy = self._total(state, proximal)
         lost = max(self.options.round_off * abs(energy), self._noise)
         undamped, matrix = self.assembly.model(state, line, proximal)
-        is_last, is_whole = False, True
+        is_last = False
         for _ in range(self.options.most_refusals):
             model = self.assembly.damped(undamped, damping)
-            found, share = self._step(model, matrix)
-            step, change, lacking = found.step, found.change, self._damper.none
-            slope = float(model.full_gradient @ step)
-            decrement, is_convex = -slope / share, change <= 0 and slope <= 0
-            is_led = bool(damping.any()) or not (found.is_convex and is_whole)
-            is_last = is_last or (is_convex and not is_led and decrement <= tolerance)
-            if is_convex and share >= self.options.short:
+            step, change, share = self._step(model, matrix)
+            slope, lacking = float(model.full_gradient @ step), self._damper.none
+            decrement = -slope / share
+            is_convex = change <= 0 and slope <= 0
+            is_last = is_last or (is_convex and not damping.any() and decrement <= tolerance)
+            if is_convex and share < self.options.short:
+                damping = self._damper.shortened(damping, step, slope)
+                self.effort.refusals += 1
+                continue
+            if is_convex:
                 trial, gain = self._tried(state, step, proximal, energy)
                 if -lost < change and -lost < gain:
-                    return Advance(trial, self._damper.none, decrement, is_led)
+                    return Advance(trial, self._damper.none, decrement, bool(damping.any()))
                 least = self.options.poor * -change
                 if gain <= least:
                     bent = self._bent(line, (model, matrix), step, trial, least - gain)
@@ -234,15 +238,10 @@ class Minimiser:
                 if np.isfinite(trial.energy) and gain < self.options.fair * -change:
                     lacking = self._lacking(undamped, matrix, step, trial, proximal)
                 if change < 0 and gain > least:
-                    damping = self._damper.relaxed(damping, step, slope, lacking, gain / -change)
-                    return Advance(trial, damping, decrement, is_led and not is_last)
+                    relaxed = self._damper.relaxed(damping, step, slope, lacking, gain / -change)
+                    return Advance(trial, relaxed, decrement, bool(damping.any()) and not is_last)
+            damping = self._damper.raised(damping, step, slope, lacking)
             self.effort.refusals += 1
-            if is_convex and share < self.options.short:
-                damping = self._damper.shortened(damping, step, slope)
-            elif not is_convex and undamped.stiffness.moving is not None:
-                undamped, is_whole = undamped.without_curvature_of_gaps(), False
-            else:
-                damping = self._damper.raised(damping, step, slope, lacking)
         return None
 
     def _tried(self, state: State, step: Array, proximal: ProximalTerm, energy: float) -> tuple[State, float]:
@@ -272,23 +271,22 @@ class Minimiser:
             return None
         if model.stored(foreseen + surplus) - model.stored(foreseen) <= lacking:
             return None
-        bent, _ = self._step(replace(model, gap=model.gap + surplus), matrix)
-        return bent.step if bent.change <= 0 else None
+        bent, change, _ = self._step(replace(model, gap=model.gap + surplus), matrix)
+        return bent if change <= 0 else None
 
-    def _step(self, model: OneSidedModel, matrix: Matrix) -> tuple[InnerStep, float]:
-        """Return a step no longer than allowed, and the share of the whole step that it is.
+    def _step(self, model: OneSidedModel, matrix: Matrix) -> tuple[Array, float, float]:
+        """Return a step no longer than allowed, the change of the model, and the share of the whole step that it is.
 
         It is the decrement of the whole step that tells how far the minimum is: that of a short one is small anywhere.
         """
         with self.clock.phase("factorisation"):
-            found = minimise_one_sided(model, matrix, self.options.inner)
-        self.effort.factorisations += found.factorisations
-        share = min(self.longest_step / max(float(np.abs(found.step).max()), float(np.finfo(float).tiny)), 1.0)
+            step, change, rounds = minimise_one_sided(model, matrix, self.options.inner)
+        self.effort.factorisations += rounds
+        share = min(self.longest_step / max(float(np.abs(step).max()), float(np.finfo(float).tiny)), 1.0)
         if share < 1:
-            step = share * found.step
+            step = share * step
             change = model.change(step, matrix.multiply(model.stiffness, step), model.jacobian @ step)
-            found = replace(found, step=step, change=change)
-        return found, share
+        return step, change, share
 
     def _lacking(
         self, model: OneSidedModel, matrix: Matrix, step: Array, trial: State, proximal: ProximalTerm

@@ -62,8 +62,7 @@ class Minimum:
 
 @dataclass(frozen=True, eq=False)
 class Advance:
-    """The next iterate, the damping of each body to go on with, the decrement, and whether damping led here, or a model
-    that is not convex."""
+    """The next iterate, the damping of each body to go on with, the decrement, and whether damping led here."""
 
     state: State
     damping: NDArray[np.float64]

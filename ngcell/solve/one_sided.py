@@ -5,14 +5,11 @@ search has to stop it at the first of them. Here the quadratic model has the lin
 its minimum is found by Newton on this piecewise quadratic function with exact line searches: the set of closed
 walls changes inside the model, at the price of a factorisation, or of a solution for each penalty term where few of
 them change, and without evaluating a single element.
-
-Where contact forces bend a model downwards, a round may end higher than it began. What the rounds before have gained is
-kept, and the step is told not to be convex: it is a descent, but nothing says how far the minimum is.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
 
@@ -106,10 +103,6 @@ class OneSidedModel:
     def _transposed(self) -> sparse.csc_array:
         return self.jacobian.T
 
-    def without_curvature_of_gaps(self) -> OneSidedModel:
-        """Return the model in which contact forces do not bend with the gaps."""
-        return replace(self, stiffness=replace(self.stiffness, moving=None))
-
     def stored(self, gap: Array) -> float:
         """Return the energy that the penalty terms store at these gaps."""
         return 0.5 * float((self.penalty * np.minimum(gap, 0) ** 2).sum())
@@ -123,48 +116,26 @@ class OneSidedModel:
         return float(self.full_gradient @ step + 0.5 * (step @ curved) + 0.5 * (self.penalty @ bent))
 
 
-@dataclass(frozen=True, eq=False)
-class InnerStep:
-    """What came of the inner problem.
+def minimise_one_sided(model: OneSidedModel, matrix: Matrix, options: InnerOptions) -> tuple[Array, float, int]:
+    """Return a step that nearly minimises the model, the change of the model, and the number of factorisations.
 
-    Attributes
-    ----------
-    step : array of float, shape (unknowns,)
-        A step that nearly minimises the model [length].
-    change : float
-        Change of the model along it [energy]; not negative where the model has no minimum from the start.
-    factorisations : int
-        What it took.
-    is_convex : bool
-        Whether no round of the inner iteration went up.
+    The change is not negative if the matrix is not positive definite along the way.
     """
-
-    step: Array
-    change: float
-    factorisations: int
-    is_convex: bool
-
-
-def minimise_one_sided(model: OneSidedModel, matrix: Matrix, options: InnerOptions) -> InnerStep:
-    """Return a step that nearly minimises the model."""
     reduced = matrix.reduced(model)
     if reduced is None:
         return _minimised(model, matrix, options)
-    found = _minimised(reduced.model, reduced.matrix, options)
-    return replace(found, step=reduced.whole(found.step), change=reduced.change + found.change)
+    step, change, rounds = _minimised(reduced.model, reduced.matrix, options)
+    return reduced.whole(step), reduced.change + change, rounds
 
 
-def _minimised(model: OneSidedModel, matrix: Matrix, options: InnerOptions) -> InnerStep:
+def _minimised(model: OneSidedModel, matrix: Matrix, options: InnerOptions) -> tuple[Array, float, int]:
     descent, change = Descent(model, matrix, options.lost), 0.0
     for _ in range(options.most_rounds):
-        before, last = change, descent.step
         settled = descent.advance(model.gap)
-        change = model.change(descent.step, descent.curved, descent.moved)
-        if before < 0 and not change <= (1 - options.round_off) * before:
-            return InnerStep(last, before, descent.factorisations, is_convex=False)
+        before, change = change, model.change(descent.step, descent.curved, descent.moved)
         if settled or not change < 0 or before - change < -options.worthwhile_gain * change:
             break
-    return InnerStep(descent.step, change, descent.factorisations, is_convex=change <= 0)
+    return descent.step, change, descent.factorisations
 
 
 class Descent:

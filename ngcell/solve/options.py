@@ -19,9 +19,8 @@ class InnerOptions:
     most_rounds : int
         Most inner iterations; to stop early costs nothing but a less good step, which the outer iteration judges. Also
         the most factorisations to multipliers that are foreseen.
-    worthwhile_gain, round_off : float
-        The inner iteration ends when it gains less than this share of the decrease so far, and has not gone up where it
-        loses less than that one.
+    worthwhile_gain : float
+        The inner iteration ends when it gains less than this share of the decrease so far.
     lost : float
         Factor by which corrections of an inverse may enlarge round-off.
     most_updates : int
@@ -30,7 +29,6 @@ class InnerOptions:
 
     most_rounds: int = 8
     worthwhile_gain: float = 0.02
-    round_off: float = 1e-9
     lost: float = 1e6
     most_updates: int = 100
 
@@ -111,18 +109,19 @@ class ContinuationOptions:
         By how much the energy may still fall, as a share of itself, when no further centre is taken, 0 where the centre
         stays; and that over the accuracy that is asked for.
     recentred, resting, most_recentred, idle, idle_at_last, refined : float, float, int, float, float, float
-        Weight at which the proximal term begins to hold bodies where they are; that under which last digits are found;
-        the most centres; the share of a fall above which the next one is slow, and the weight is lowered; that share
-        once falls suffice and only the pull is felt; and the decrement of the last minimisation as a share of the
-        energy: 1e-12 left forces 2.9e-6 out of balance, and does not tell which cells nothing holds.
+        Weight at which the proximal term begins to hold bodies where they are; that under which last digits are found,
+        which is no less; the most centres; the share of a fall above which the next one is slow, and the weight is
+        lowered; that share once falls suffice and only the pull is felt; and the decrement of the last minimisation as
+        a share of the energy: 1e-12 left forces 2.9e-6 out of balance, and does not tell which cells nothing holds.
     allowed, allowed_of_accuracy, nearly_allowed : float, float, float
         Pull that is allowed in a result, as a share of the largest force on a body; that over the accuracy that is
         asked for, nine tenths of what the certificate allows; and the multiple of it up to which another centre under
         the same weight may do.
     only_leads : bool
-        Whether its end only leads to equilibria on finer meshes.
+        Whether the end of the path only leads to equilibria on finer meshes.
     handover, handover_idle : float
-        Weight from which multipliers take over from a penalty, without which walls slide on; `idle_at_last` there.
+        Weight from which multipliers take over from a penalty: without its overlaps walls slide on, far for little
+        energy; and `idle_at_last` there.
     slid, most_leads : float, int
         Falls that suffice from which on they have slid away, and the penalty, which may cost half of it, leads again.
     hardly_strained : float
@@ -144,10 +143,10 @@ class ContinuationOptions:
         Length by which conditions may be missed at the end, the most updates to get there, and the share of missed
         conditions that multipliers which are foreseen may leave in their model.
     cycling : int
-        Iterations of one minimisation that are active-set cycling, on the last stretch and between updates.
+        Iterations of one minimisation that are active-set cycling, on the last stretch and between multiplier updates.
     slow, nothing : float
-        Share of what was missed before above which an update was slow; and of the energy, that is nothing: a decrement
-        on the way, or what is missed where updates hardly help, as slivers of walls bear nothing.
+        Share of what was missed before above which an update was slow; and that of the energy that is nothing: a
+        decrement on the way, or what is missed where updates hardly help, as slivers of walls bear nothing.
     farthest, hold_back : float
         Longest way of a predicted centre, in longest steps or ways of the supports, and the factor of the weight that
         holds back what would go further.
@@ -195,7 +194,8 @@ class ContinuationOptions:
     def within(self, accuracy: float) -> ContinuationOptions:
         """Return the numbers with which results have this relative error."""
         felt, sufficient = self.felt_of_accuracy * accuracy, self.sufficient_of_accuracy * accuracy
-        return replace(self, felt=felt, allowed=self.allowed_of_accuracy * accuracy, sufficient=sufficient)
+        allowed, resting = self.allowed_of_accuracy * accuracy, max(self.resting, self.recentred)
+        return replace(self, felt=felt, allowed=allowed, sufficient=sufficient, resting=resting)
 
     @property
     def end(self) -> float:

@@ -14,7 +14,7 @@ from ngcell.build.reported import Step
 from ngcell.build.simulation import Simulation
 from ngcell.errors import CaseError
 from ngcell.results.certificate import HELD, common_check
-from ngcell.results.checks import Path
+from ngcell.results.checks import Path, _plate_balance
 from ngcell.results.measure import Measurement, WorkPoint, measure
 from ngcell.scene import Body, BodyScene, BodySupport, Case, MooneyRivlin
 
@@ -154,3 +154,12 @@ def test_the_proximal_term_may_hold_a_tenth_of_the_accuracy_and_what_it_always_c
     assert not common_check(name, 0.0011).passed
     # What is no matter of the proximal term does not depend on it.
     assert not common_check("residual", 2e-6, accuracy=0.1).passed
+
+
+@pytest.mark.parametrize(("cells", "largest", "expected"), [(10, 1.0, 0.01), (1, 1.0, 0.1), (1, 4.0, 0.025)])
+def test_plates_are_balanced_beside_the_force_from_one_to_the_other(cells, largest, expected):
+    """Each cell at a plate is pressed by one, and all together are out of balance by a tenth."""
+    held = np.repeat([[1.0, 0.0], [-1.0, 0.0]], cells, axis=0)
+    loaded = np.zeros_like(held)
+    loaded[0, 0] = 0.1
+    assert _plate_balance(held, loaded, largest) == pytest.approx(expected)

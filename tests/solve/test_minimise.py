@@ -105,15 +105,6 @@ class Crease(Landscape):
         )
 
 
-class Bent(Landscape):
-    """The same, of which what bends the wells apart counts as curvature of gaps."""
-
-    def linearise(self, state: Point) -> Model:
-        line = super().linearise(state)
-        downwards = sparse.coo_array(([-4.0], ([0], [0])), shape=(3, 3))
-        return replace(line, stiffness=line.stiffness + np.array([4.0, 0.0, 0.0]), curvature=downwards)
-
-
 def descend(
     problem: Landscape,
     start: tuple,
@@ -199,27 +190,6 @@ def test_where_steps_creep_along_a_kink_a_minimisation_ends_as_exact_as_it_is_to
     rough, exact = (descend(crease, (0.01, 1.0, 0.0), tolerance=tolerance) for tolerance in (1e-2, 1e-9))
     assert rough.ending is Ending.STALLED
     assert exact.state.energy < rough.state.energy < 1
-
-
-@pytest.mark.parametrize("start", [-0.5, 0.1, 0.3, 0.55])
-def test_a_model_that_is_not_convex_loses_the_curvature_of_gaps_before_it_is_damped(start):
-    spent = []
-    for kind in (Landscape, Bent):
-        minimiser = Minimiser(kind(free=np.array([True, True, False])), 0.5, energy_scale=1.0)
-        minimum = minimiser.minimise(np.array([start, 0.0, 0.0]), NOWHERE)
-        assert minimum.ending is Ending.CONVERGED
-        np.testing.assert_allclose(np.abs(minimum.state.displacement), [1, 0, 0], atol=1e-9)
-        spent.append(minimiser.effort)
-    assert minimum.state.displacement[0] * start > 0  # nothing throws it over the ridge
-    assert 0 < spent[1].refusals < spent[0].refusals
-    assert spent[1].factorisations <= spent[0].factorisations
-
-
-def test_a_step_by_a_model_that_was_not_convex_is_not_the_last():
-    """Its decrement is within the tolerance, half of the way before the well: it takes a step that is Newton's."""
-    rough = descend(Bent(free=np.array([True, True, False])), (0.3, 0.0, 0.0), longest_step=0.2, tolerance=10.0)
-    assert rough.ending is Ending.CONVERGED
-    assert rough.state.displacement[0] > 3**-0.5  # where the well is convex
 
 
 def test_held_unknowns_keep_their_values():
