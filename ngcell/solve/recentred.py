@@ -164,7 +164,8 @@ def pull_on_bodies(minimiser: Minimiser, minimum: Minimum, share: float) -> floa
 def force_through(forces: Array) -> float:
     """Return the force that goes through bodies from some supports to others, as from one plate to the other.
 
-    It is the sum of the forces on bodies, shape (bodies, dimension), that point one way in each direction.
+    It is the sum of the forces on bodies, shape (bodies, dimension), that point one way in each direction. Forces on
+    one plate that point against each other count in it.
     """
     return float(np.linalg.norm(np.maximum(forces, 0.0).sum(axis=0)))
 
