@@ -87,6 +87,27 @@ class Damper:
         raised = np.maximum(self.options.raise_by * damping, needed)
         return np.where(far, np.minimum(raised, _LARGEST), damping)
 
+    def straightened(self, damping: Array, way: Array, lacking: Array) -> Array:
+        """Return the damping with which a model falls no more along a way on which it is not convex.
+
+        Parameters
+        ----------
+        damping : array of float, shape (bodies,)
+            That of the model.
+        way : array of float, shape (unknowns,)
+            The way [length].
+        lacking : array of float, shape (bodies,)
+            Minus the product of the way with the model's matrix and itself, body by body [energy].
+        """
+        at_fault = self._at_fault(lacking)
+        needed = float(np.maximum(lacking, 0.0).sum()) / float(self._way(way)[at_fault].sum())
+        raised = np.maximum(self.options.raise_by * damping, needed)
+        return np.where(at_fault, np.minimum(raised, _LARGEST), damping)
+
+    def is_local(self, lacking: Array) -> bool:
+        """Return whether a model lacks what it lacks in a few bodies, and not altogether."""
+        return bool((lacking > 0).any()) and int(self._at_fault(lacking).sum()) < self.options.local * len(lacking)
+
     def relaxed(self, damping: Array, step: Array, slope: float, lacking: Array, quality: float) -> Array:
         """Return the damping after an accepted step; parameters as for `raised`."""
         unfelt = self.options.unfelt * abs(slope) / np.maximum(self._way(step), np.finfo(float).tiny)

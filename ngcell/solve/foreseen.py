@@ -17,9 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.solve.inner import Descent
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Minimum
-from ngcell.solve.one_sided import Descent, Matrix, OneSidedModel
+from ngcell.solve.one_sided import Matrix, OneSidedModel
 from ngcell.solve.options import InnerOptions
 
 Array = NDArray[np.float64]

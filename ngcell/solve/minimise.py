@@ -4,9 +4,7 @@ Each iteration minimises the second-order model of the energy plus ``damping/2 |
 if the energy falls by a fair share of what the model foresaw; if not, or if the model is not convex along it, the
 damping is raised, in the bodies where the model fails (`ngcell.solve.damping`), and the model, still at hand, is
 minimised again. The damping falls with every good step and is exactly zero at the end, so it leaves no trace in the
-result. No component of a step is longer than `longest_step`: half of the distance in which contact is searched, so that
-no wall is passed unseen. A step that is too long is cut; where little would be left of it, the bodies that would move
-too far are damped instead, and the others move on.
+result (`ngcell.solve.newton` finds the steps).
 
 Near the minimum differences of energies drown in round-off. There the model alone is trusted.
 """
@@ -24,8 +22,10 @@ from ngcell.clock import Clock
 from ngcell.solve.assembly import Assembly
 from ngcell.solve.damping import Damper
 from ngcell.solve.effort import Budget, Effort
+from ngcell.solve.inner import minimise_one_sided
 from ngcell.solve.minimum import Advance, Ending, Minimum
-from ngcell.solve.one_sided import Matrix, OneSidedModel, minimise_one_sided
+from ngcell.solve.newton import Newton
+from ngcell.solve.one_sided import Matrix, OneSidedModel
 from ngcell.solve.options import MinimiserOptions
 from ngcell.solve.problem import Linearisation, Problem, State
 from ngcell.solve.proximal import ProximalTerm
@@ -71,6 +71,10 @@ class Minimiser:
     @cached_property
     def _damper(self) -> Damper:
         return Damper(self.problem.mass, self.problem.part, self.options)
+
+    @cached_property
+    def _newton(self) -> Newton:
+        return Newton(self._damper, self.longest_step, self.options, self.clock, self.effort)
 
     def minimise(
         self,
@@ -140,9 +144,9 @@ class Minimiser:
         driven = matrix.multiply(model.stiffness, jump) - model.pulled(model.penalty * np.minimum(model.gap, 0))
         driven = np.where(self.problem.free, driven, 0.0)
         moved = replace(model, gradient=driven, gap=model.gap + model.jacobian @ jump)
-        step, _, rounds = minimise_one_sided(moved, matrix, self.options.foreseeing)
-        self.effort.factorisations += rounds
-        return displacement + jump + step
+        found = minimise_one_sided(moved, matrix, self.options.foreseeing)
+        self.effort.factorisations += found.factorisations
+        return displacement + jump + found.step
 
     def stiffened(self, minimum: Minimum, weight: float) -> Callable[[Array], Array]:
         """Return what solves with the tangent at a minimum plus a multiple of the mass; closed walls stay so."""
@@ -195,8 +199,8 @@ class Minimiser:
     def _ending_of_stall(self, state: State, proximal: ProximalTerm) -> Ending:
         """Return what iterations that lead nowhere mean: damping makes decrements small, whatever the forces are."""
         model, matrix = self.assembly.model(state, self.problem.linearise(state), proximal)
-        step, change, share = self._step(model, matrix)
-        is_balanced = change <= 0 and -float(model.full_gradient @ step) / share <= self._unseen(state)
+        found = self._newton.step(model, matrix)
+        is_balanced = found.change <= 0 and found.decrement <= self._unseen(state)
         return Ending.STALLED if is_balanced else Ending.NO_DESCENT
 
     def _at(self, displacement: Array) -> State:
@@ -217,19 +221,18 @@ class Minimiser:
         is_last = False
         for _ in range(self.options.most_refusals):
             model = self.assembly.damped(undamped, damping)
-            step, change, share = self._step(model, matrix)
-            slope, lacking = float(model.full_gradient @ step), self._damper.none
-            decrement = -slope / share
-            is_convex = change <= 0 and slope <= 0
-            is_last = is_last or (is_convex and not damping.any() and decrement <= tolerance)
-            if is_convex and share < self.options.short:
+            found, lacking = self._newton.step(model, matrix), self._damper.none
+            step, change, slope = found.step, found.change, found.slope
+            is_convex, is_led = change <= 0 and slope <= 0, bool(damping.any()) or found.not_convex is not None
+            is_last = is_last or (is_convex and not is_led and found.decrement <= tolerance)
+            if is_convex and found.share < self.options.short:
                 damping = self._damper.shortened(damping, step, slope)
                 self.effort.refusals += 1
                 continue
             if is_convex:
                 trial, gain = self._tried(state, step, proximal, energy)
                 if -lost < change and -lost < gain:
-                    return Advance(trial, self._damper.none, decrement, bool(damping.any()))
+                    return Advance(trial, self._damper.none, found.decrement, is_led)
                 least = self.options.poor * -change
                 if gain <= least:
                     bent = self._bent(line, (model, matrix), step, trial, least - gain)
@@ -239,8 +242,11 @@ class Minimiser:
                     lacking = self._lacking(undamped, matrix, step, trial, proximal)
                 if change < 0 and gain > least:
                     relaxed = self._damper.relaxed(damping, step, slope, lacking, gain / -change)
-                    return Advance(trial, relaxed, decrement, bool(damping.any()) and not is_last)
-            damping = self._damper.raised(damping, step, slope, lacking)
+                    return Advance(trial, relaxed, found.decrement, is_led and not is_last)
+            if is_convex or found.not_convex is None:
+                damping = self._damper.raised(damping, step, slope, lacking)
+            else:
+                damping = self._damper.straightened(damping, *found.not_convex)
             self.effort.refusals += 1
         return None
 
@@ -271,22 +277,8 @@ class Minimiser:
             return None
         if model.stored(foreseen + surplus) - model.stored(foreseen) <= lacking:
             return None
-        bent, change, _ = self._step(replace(model, gap=model.gap + surplus), matrix)
-        return bent if change <= 0 else None
-
-    def _step(self, model: OneSidedModel, matrix: Matrix) -> tuple[Array, float, float]:
-        """Return a step no longer than allowed, the change of the model, and the share of the whole step that it is.
-
-        It is the decrement of the whole step that tells how far the minimum is: that of a short one is small anywhere.
-        """
-        with self.clock.phase("factorisation"):
-            step, change, rounds = minimise_one_sided(model, matrix, self.options.inner)
-        self.effort.factorisations += rounds
-        share = min(self.longest_step / max(float(np.abs(step).max()), float(np.finfo(float).tiny)), 1.0)
-        if share < 1:
-            step = share * step
-            change = model.change(step, matrix.multiply(model.stiffness, step), model.jacobian @ step)
-        return step, change, share
+        bent = self._newton.step(replace(model, gap=model.gap + surplus), matrix)
+        return bent.step if bent.change <= 0 else None
 
     def _lacking(
         self, model: OneSidedModel, matrix: Matrix, step: Array, trial: State, proximal: ProximalTerm

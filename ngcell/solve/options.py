@@ -17,10 +17,9 @@ class InnerOptions:
     Attributes
     ----------
     most_rounds : int
-        Most inner iterations; to stop early costs nothing but a less good step, which the outer iteration judges. Also
-        the most factorisations to multipliers that are foreseen.
-    worthwhile_gain : float
-        The inner iteration ends when it gains less than this share of the decrease so far.
+        Most inner iterations, as the outer iteration judges their step; and factorisations to foreseen multipliers.
+    worthwhile_gain, round_off : float
+        Shares of the decrease so far: the iteration ends where it gains less, and has not gone up where it loses less.
     lost : float
         Factor by which corrections of an inverse may enlarge round-off.
     most_updates : int
@@ -28,7 +27,8 @@ class InnerOptions:
     """
 
     most_rounds: int = 8
-    worthwhile_gain: float = 0.02
+    worthwhile_gain: float = 0.3
+    round_off: float = 1e-9
     lost: float = 1e6
     most_updates: int = 100
 
@@ -45,6 +45,8 @@ class MinimiserOptions:
         Factors of the damping after a refused, a poor and a good step.
     short : float
         Share of a step below which it is not cut to the longest step, but damped in the bodies that go too far.
+    local : float
+        Share of the bodies below which a model that is not convex is at fault in a few places only.
     felt, unfelt : float
         Shares of a step's slope at which damping is felt along the step, and at which it is not.
     round_off, no_decrement : float
@@ -52,9 +54,8 @@ class MinimiserOptions:
     stalled, unseen, idle : float, float, int
         A decrement below the share `stalled` of the energy, or below `unseen` times its round-off at rest, is lost once
         as many iterations as `idle` left it at its lowest: forces are round-off, or steps go to and fro at a kink of
-        the energy, as where walls end at a corner of three cells. Fewer do not tell: where cells roll, it rests before
-        it falls again. As many iterations whose steps were refused at first, and that gained less together than the
-        minimisation is to be exact, creep along such a kink.
+        the energy, as where walls end at a corner of three cells. As many iterations whose steps were refused at first,
+        and that gained less together than the minimisation is to be exact, creep along such a kink.
     touching : float
         Gap below which a prediction keeps walls closed.
     noise : float
@@ -66,8 +67,7 @@ class MinimiserOptions:
     most_direct, narrow : int, float
         Unknowns and width of bodies up to either of which solids are factorised in one piece; planar scenes always are.
     inner, foreseeing : InnerOptions
-        Those of the inner problem, and of one that nothing judges afterwards: it ends when walls have settled, and
-        bodies that nothing touches stay where they are.
+        Those of the inner problem, and of one that nothing judges afterwards: it ends when walls have settled.
     """
 
     poor: float = 1e-4
@@ -76,6 +76,7 @@ class MinimiserOptions:
     nudge_by: float = 2.0
     lower_by: float = 0.1
     short: float = 0.1
+    local: float = 0.5
     felt: float = 0.1
     unfelt: float = 1e-4
     round_off: float = 1e-13

@@ -12,8 +12,9 @@ from scipy import sparse
 from ngcell.solve.cliques import find_cliques
 from ngcell.solve.condensed import CondensedMatrix
 from ngcell.solve.growing import GrowingMatrix
+from ngcell.solve.inner import minimise_one_sided
 from ngcell.solve.linear import SymmetricMatrix
-from ngcell.solve.one_sided import OneSidedModel, minimise_one_sided
+from ngcell.solve.one_sided import OneSidedModel
 from ngcell.solve.options import InnerOptions
 from ngcell.solve.stiffness import Stiffness, lower_entries
 
@@ -168,8 +169,10 @@ def test_a_model_has_the_same_minimum_with_and_without_the_unknowns_within_eleme
     matrix, _ = chain.condensed()
     whole = GrowingMatrix(chain.size, chain.free, chain.rows, chain.columns)
     model, options = chain.model, InnerOptions(most_rounds=50, worthwhile_gain=0.0)
-    step, change, _ = minimise_one_sided(model, matrix, options)
-    same, same_change, _ = minimise_one_sided(model, whole, options)
+    found = minimise_one_sided(model, matrix, options)
+    step, change = found.step, found.change
+    beside = minimise_one_sided(model, whole, options)
+    same, same_change = beside.step, beside.change
     np.testing.assert_allclose(step, same, atol=1e-9)
     assert change == pytest.approx(same_change, rel=1e-9)
     assert change == pytest.approx(
@@ -181,7 +184,8 @@ def test_stopped_early_the_change_is_that_of_the_step():
     chain = Chain(5)
     matrix, _ = chain.condensed()
     model = chain.model
-    step, change, _ = minimise_one_sided(model, matrix, InnerOptions(most_rounds=1))
+    found = minimise_one_sided(model, matrix, InnerOptions(most_rounds=1))
+    step, change = found.step, found.change
     expected = model.change(step, matrix.multiply(model.stiffness, step), model.jacobian @ step)
     assert change == pytest.approx(expected, rel=1e-9)
 
@@ -190,8 +194,7 @@ def test_an_element_without_stiffness_leads_to_no_step_that_lowers_the_model():
     chain = Chain(6)
     matrix, stiffness = chain.condensed()
     none = replace(chain.model, stiffness=replace(stiffness, values=0 * stiffness.values))
-    _, change, _ = minimise_one_sided(none, matrix, InnerOptions())
-    assert not change <= 0
+    assert not minimise_one_sided(none, matrix, InnerOptions()).change <= 0
 
 
 def test_there_is_room_for_walls_that_are_next_to_closing(monkeypatch):

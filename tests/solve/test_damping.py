@@ -92,6 +92,20 @@ def test_bodies_that_would_go_too_far_are_damped_to_go_as_far_as_the_cut_step_an
     assert damper().shortened(damping, step, -5.0)[0] > 2 * damping[0]
 
 
+def test_damping_makes_a_model_convex_along_a_way_in_the_bodies_that_fall_along_it():
+    way, lacking = np.array([0.1, 0.0, 0.2, 0.3]), np.array([-2.0, 5.0, 0.0])
+    damping = damper().straightened(np.array([0.0, 1.0, 7.0]), way, lacking)
+    np.testing.assert_allclose(damping, [0.0, 5.0 / 0.04, 7.0])
+    np.testing.assert_allclose(damper().straightened(damping, way, lacking)[1], 8 * damping[1])
+
+
+def test_a_fault_is_local_in_less_than_half_of_the_bodies():
+    assert damper().is_local(np.array([-2.0, 5.0, 0.0]))
+    assert not damper().is_local(np.array([3.0, 5.0, 0.0]))
+    assert not damper().is_local(np.array([-3.0, 0.0, -1.0]))
+    assert not damper().is_local(np.full(3, np.nan))
+
+
 class OneAstray(Bowls):
     """Bowls ``(x - 1)**2 / 2``, of which the model hardly holds one body as long as it is far from there."""
 

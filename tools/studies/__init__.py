@@ -9,8 +9,8 @@ from tools.commands import Commands
 
 commands = Commands(
     "tools.studies",
-    ("accuracy", "agreement", "cohesion", "cohesion-curves", "constants", "contact-kinds", "cost", "ensemble-curves",
-     "figures", "irregular", "kinds", "last-digits", "members", "phases", "plain-newton", "rupture-map", "scaling",
-     "settings", "sweeps", "work-precision"),
+    ("accuracy", "agreement", "averaged", "cohesion", "cohesion-curves", "constants", "contact-kinds", "cost",
+     "ensemble-curves", "figures", "growing", "irregular", "kinds", "last-digits", "members", "phases",
+     "plain-newton", "rupture-map", "scaling", "settings", "sweeps", "work-precision"),
     __doc__,
 )  # fmt: skip

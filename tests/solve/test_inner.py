@@ -9,7 +9,8 @@ import pytest
 from scipy import optimize, sparse
 
 from ngcell.solve.growing import GrowingMatrix
-from ngcell.solve.one_sided import OneSidedModel, _Quadratics, _root_of_slope, minimise_one_sided
+from ngcell.solve.inner import _Quadratics, _root_of_slope, minimise_one_sided
+from ngcell.solve.one_sided import OneSidedModel
 from ngcell.solve.options import InnerOptions
 from ngcell.solve.stiffness import Stiffness
 
@@ -44,7 +45,8 @@ def model_at(model: OneSidedModel, step: np.ndarray) -> float:
 @pytest.mark.parametrize("seed", range(8))
 def test_the_step_is_nearly_the_minimum_found_by_brute_force(seed, stiff):
     model, matrix = random_model(seed, stiff)
-    step, change, rounds = minimise_one_sided(model, matrix, InnerOptions())
+    found = minimise_one_sided(model, matrix, InnerOptions(worthwhile_gain=0.02))
+    step, change, rounds = found.step, found.change, found.factorisations
 
     def value(free: np.ndarray) -> float:
         return model_at(model, np.append(free, 0.0))
@@ -61,7 +63,8 @@ def test_the_step_is_nearly_the_minimum_found_by_brute_force(seed, stiff):
 
 def test_without_penalty_terms_the_step_is_newtons():
     model, matrix = random_model(3, 1.0, penalty_terms=0)
-    step, change, rounds = minimise_one_sided(model, matrix, InnerOptions())
+    found = minimise_one_sided(model, matrix, InnerOptions())
+    step, change, rounds = found.step, found.change, found.factorisations
     np.testing.assert_allclose(matrix.multiply(model.stiffness, step)[:-1], -model.gradient[:-1], atol=1e-10)
     assert change == pytest.approx(model.gradient @ step / 2, rel=1e-9)
     assert rounds == 1
@@ -73,10 +76,28 @@ def test_penalty_terms_that_the_newton_step_would_close_are_foreseen():
     matrix = GrowingMatrix(1, free, np.array([0]), np.array([0]))
     jacobian = sparse.csr_array(np.array([[-1.0]]))
     model = OneSidedModel(np.array([-1.0]), Stiffness(np.ones(1)), np.array([0.1]), jacobian, np.array([99.0]), free)
-    step, change, _ = minimise_one_sided(model, matrix, InnerOptions())
+    found = minimise_one_sided(model, matrix, InnerOptions())
+    step, change = found.step, found.change
     assert step[0] == pytest.approx((1 + 9.9) / 100, rel=1e-12)
     assert model.full_gradient[0] == -1.0
     assert change == pytest.approx(model_at(model, step), rel=1e-12)
+
+
+def test_a_round_that_goes_up_is_told_with_what_was_gained_before():
+    """A stop that presses holds what is unstable; the step opens it, and from there on the model falls without end."""
+    free = np.ones(1, dtype=bool)
+    matrix = GrowingMatrix(1, free, np.array([0]), np.array([0]))
+    jacobian = sparse.csr_array(np.array([[1.0]]))
+    model = OneSidedModel(np.array([-0.5]), Stiffness(-np.ones(1)), np.array([-0.1]), jacobian, np.array([3.0]), free)
+    uphill = minimise_one_sided(model, matrix, InnerOptions()).uphill
+    assert uphill is not None and not uphill.closed.any()
+    assert uphill.step[0] == pytest.approx(0.4, rel=1e-12)  # where the minimum would be, were the stop still closed
+    assert uphill.change == pytest.approx(model_at(model, uphill.step) - model_at(model, np.zeros(1)), rel=1e-12)
+    assert float(uphill.product(model, matrix) @ uphill.way) == pytest.approx(-float(uphill.way @ uphill.way))
+    held = replace(model, penalty=np.array([30.0]), gradient=np.array([0.5]))
+    assert minimise_one_sided(held, matrix, InnerOptions()).uphill is None
+    falling = minimise_one_sided(replace(model, gap=np.ones(1)), matrix, InnerOptions())
+    assert falling.change > 0 and falling.uphill is not None and falling.uphill.change == 0
 
 
 def test_the_gradient_at_rest_counts_closed_penalty_terms_only_and_no_held_unknown():
@@ -146,7 +167,8 @@ def test_the_change_of_a_tiny_step_is_not_drowned_by_the_overlap():
         np.array([1000.0]),
         free,
     )
-    step, change, _ = minimise_one_sided(model, matrix, InnerOptions())
+    found = minimise_one_sided(model, matrix, InnerOptions())
+    step, change = found.step, found.change
     assert step[0] == pytest.approx(rest / 1001, rel=1e-3, abs=0)
     assert change == pytest.approx(-(rest**2) / 2002, rel=1e-3, abs=0)
 

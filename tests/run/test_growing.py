@@ -1,0 +1,45 @@
+"""The studies of what tissues take: names, settings, errors in percent, sums, and one run."""
+
+from __future__ import annotations
+
+import ngcell
+from tools.runs import sources
+from tools.studies import averaged, growing
+
+
+def test_tissues_are_sheared_by_a_share_of_their_height_and_small_ones_come_first():
+    scenes = growing.scenes()
+    assert len(scenes) == len(growing.SIZES) * len(growing.SHARES) * len(growing.CASES)
+    assert next(iter(scenes)).startswith("5x7")
+    case, sets = scenes["10x10, pressure, 0.1"]
+    assert ngcell.read_case(case, sets).load.displacement == (1.55, 0.0)
+
+
+def test_all_scenes_of_both_studies_are_cases():
+    for case, sets in (*growing.scenes().values(), *averaged.SCENES.values()):
+        ngcell.read_case(case, sets)
+    assert len(averaged.SCENES) == 14
+
+
+def test_a_run_has_a_row_with_errors_in_percent_and_the_report_shows_it():
+    sets = ("tissue.rows=2", "tissue.cols=2", "load.displacement=[0.1, 0.0]")
+    row = growing.measured("shear-empty-3x3", sets, 0.1, 5)
+    assert row["outcome"] == "converged and certified"
+    assert row["code"] == sources() and set(row) | {"tissue"} == set(growing.COLUMNS)
+    assert 0 < float(row["energy_error"]) < 10
+    assert int(row["factorisations"]) >= int(row["iterations"]) > 0
+    assert f"{row['energy']} ± {row['energy_error']} %" in growing.report([{"tissue": "2x2"} | row])
+
+
+def test_a_step_without_force_has_no_share_of_it():
+    step = dict.fromkeys(("plate_force_x", "plate_force_y", "plate_force_z", "mean_gap", "mean_gap_error"), "0")
+    row = growing.numbers_of(step | {"energy": "2", "energy_error": "0.1", "plate_force_error": "1e-9"})
+    assert (row["energy_error"], row["plate_force_error"]) == ("5", "")
+
+
+def test_sums_count_what_is_certified_and_take_runs_without_numbers():
+    rows = [dict.fromkeys(averaged._SUMS, 2) | {"outcome": "converged and certified"}]
+    rows.append(dict.fromkeys(averaged._SUMS, "") | {"outcome": "stopped"})
+    total = averaged.total(rows)
+    assert total["outcome"] == "1 of 2 certified"
+    assert total["factorisations"] == 2
