@@ -22,8 +22,8 @@ from tools.studies.growing import COLUMNS, Row, measured
 REPORT = RESULTS / "averaged.md"
 SCENES: dict[str, tuple[str, tuple[str, ...]]] = {
     **{
-        f"5x7 to {shift:g}": ("shear-empty", (f"load.displacement=[{shift}, 0.0]",))
-        for shift in (1.2, 1.4, 1.55, 1.6, 1.65, 1.8)
+        f"5x7 to {displacement:g}": ("shear-empty", (f"load.displacement=[{displacement}, 0.0]",))
+        for displacement in (1.2, 1.4, 1.55, 1.6, 1.65, 1.8)
     },
     **{f"5x7, walls of {wall:g}": ("shear-empty", (f"tissue.wall={wall}",)) for wall in (0.09, 0.11)},
     "5x7 to 1.4 under 0.005": ("shear-pressurised", ("load.displacement=[1.4, 0.0]",)),

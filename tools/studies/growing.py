@@ -40,8 +40,8 @@ def scenes() -> dict[str, tuple[str, tuple[str, ...]]]:
     found: dict[str, tuple[str, tuple[str, ...]]] = {}
     for rows, columns in SIZES:
         for share in SHARES:
-            shift = share * (1.5 * rows + 0.5)  # the height of such a tissue, in sides of a cell
-            sets = (f"tissue.rows={rows}", f"tissue.cols={columns}", f"load.displacement=[{shift:.6g}, 0.0]")
+            displacement = share * (1.5 * rows + 0.5)  # the height of such a tissue, in sides of a cell
+            sets = (f"tissue.rows={rows}", f"tissue.cols={columns}", f"load.displacement=[{displacement:.6g}, 0.0]")
             for lumen, case in CASES.items():
                 found[f"{rows}x{columns}, {lumen}, {share:g}"] = case, sets
     return found
