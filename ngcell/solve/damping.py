@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
+from scipy.sparse.csgraph import connected_components
 
 from ngcell.solve.options import MinimiserOptions
 
@@ -104,9 +105,27 @@ class Damper:
         raised = np.maximum(self.options.raise_by * damping, needed)
         return np.where(at_fault, np.minimum(raised, _LARGEST), damping)
 
-    def is_local(self, lacking: Array) -> bool:
-        """Return whether a model lacks what it lacks in a few bodies, and not altogether."""
-        return bool((lacking > 0).any()) and int(self._at_fault(lacking).sum()) < self.options.local * len(lacking)
+    def is_local(self, lacking: Array, couplings: sparse.csr_array) -> bool:
+        """Return whether a model lacks what it lacks in a few of the bodies that contact couples, and not altogether.
+
+        Bodies that contact does not couple with those at fault, directly or by others, do not count.
+
+        Parameters
+        ----------
+        lacking : array of float, shape (bodies,)
+            What the model lacks in each body [energy].
+        couplings : csr_array, shape (n, unknowns)
+            The unknowns that each penalty term couples.
+        """
+        if not (lacking > 0).any():
+            return False
+        rows = np.repeat(np.arange(couplings.shape[0]), np.diff(couplings.indptr))
+        entries = np.ones(len(rows), dtype=bool), (rows, self.part[couplings.indices])
+        bodies = sparse.csr_array(entries, shape=(couplings.shape[0], len(lacking)))
+        group = connected_components(bodies.T @ bodies, directed=False)[1]
+        at_fault = self._at_fault(lacking)
+        together = int(np.isin(group, group[at_fault]).sum())
+        return int(at_fault.sum()) < self.options.local * together
 
     def relaxed(self, damping: Array, step: Array, slope: float, lacking: Array, quality: float) -> Array:
         """Return the damping after an accepted step; parameters as for `raised`."""

@@ -5,9 +5,10 @@ is passed unseen. A step that is too long is cut; where little would be left of 
 are damped instead, and the others move on.
 
 In a tissue there is nearly always a place where contact forces bend the model downwards: a corner that is about to
-pass another. Where that is so in a few bodies, the inner iteration has come far in all others before it goes up. That
-step is taken, and if there is none, those few bodies are damped, by as much as makes the model convex along the way
-that went up. Where half of all bodies or more have a part in it, as two bodies always have, the model is refused.
+pass another. Where that is so in a few of the bodies that contact couples, the inner iteration has come far in all
+others before it goes up. That step is taken, and if there is none, those few bodies are damped, by as much as makes the
+model convex along the way that went up. Where half of them or more have a part in it, as two bodies always have, the
+model is refused.
 """
 
 from __future__ import annotations
@@ -99,4 +100,4 @@ class Newton:
     def _not_convex(self, model: OneSidedModel, matrix: Matrix, uphill: Uphill) -> tuple[Array, Array] | None:
         """Return the way that went up, and by how much the model falls along it in each body; None if in most."""
         lacking = self.damper.by_body(-uphill.product(model, matrix) * uphill.way)
-        return (uphill.way, lacking) if self.damper.is_local(lacking) else None
+        return (uphill.way, lacking) if self.damper.is_local(lacking, model.jacobian) else None

@@ -46,7 +46,7 @@ class MinimiserOptions:
     short : float
         Share of a step below which it is not cut to the longest step, but damped in the bodies that go too far.
     local : float
-        Share of the bodies below which a model that is not convex is at fault in a few places only.
+        Share of the coupled bodies below which a model that is not convex is at fault in few places only.
     felt, unfelt : float
         Shares of a step's slope at which damping is felt along the step, and at which it is not.
     round_off, no_decrement : float

@@ -100,10 +100,17 @@ def test_damping_makes_a_model_convex_along_a_way_in_the_bodies_that_fall_along_
 
 
 def test_a_fault_is_local_in_less_than_half_of_the_bodies():
-    assert damper().is_local(np.array([-2.0, 5.0, 0.0]))
-    assert not damper().is_local(np.array([3.0, 5.0, 0.0]))
-    assert not damper().is_local(np.array([-3.0, 0.0, -1.0]))
-    assert not damper().is_local(np.full(3, np.nan))
+    chain = sparse.csr_array(np.array([[1.0, 0, 1, 0], [0, 0, 1, 1]]))
+    assert damper().is_local(np.array([-2.0, 5.0, 0.0]), chain)
+    assert not damper().is_local(np.array([3.0, 5.0, 0.0]), chain)
+    assert not damper().is_local(np.array([-3.0, 0.0, -1.0]), chain)
+    assert not damper().is_local(np.full(3, np.nan), chain)
+
+
+def test_a_body_that_contact_does_not_couple_does_not_count():
+    pair = sparse.csr_array(np.array([[1.0, 0, 1, 0]]))
+    assert not damper().is_local(np.array([-2.0, 5.0, 0.0]), pair)
+    assert not damper().is_local(np.array([0.0, 0.0, 5.0]), pair)
 
 
 class OneAstray(Bowls):

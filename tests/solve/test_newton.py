@@ -21,16 +21,19 @@ from ngcell.solve.stiffness import Stiffness
 def step_of(
     bodies: int, unstable: int, gap: float = -0.1, longest_step: float = inf, pull: float = 1.0
 ) -> tuple[NewtonStep, Effort]:
-    """Bodies with one unknown each that are pulled; some are unstable and held by a stop that opens along the step."""
+    """Bodies with one unknown each that are pulled; some are unstable and held by a stop that opens along the step.
+
+    Others have a stop that is open, and stays so; it couples each body with the next.
+    """
     numbers, free = np.arange(bodies), np.ones(bodies, dtype=bool)
     is_unstable = numbers < unstable
-    jacobian = sparse.csr_array(np.eye(bodies)[:unstable])
+    open_stops = np.eye(bodies)[:-1] + np.eye(bodies, k=1)[:-1]
     model = OneSidedModel(
         np.where(is_unstable, -0.5, -pull),
         Stiffness(np.where(is_unstable, -1.0, 1.0)),
-        np.full(unstable, gap),
-        jacobian,
-        np.full(unstable, 3.0),
+        np.append(np.full(unstable, gap), np.full(bodies - 1, 1e3)),
+        sparse.csr_array(np.vstack([np.eye(bodies)[:unstable], open_stops])),
+        np.full(unstable + bodies - 1, 3.0),
         free,
     )
     effort, options = Effort(), MinimiserOptions()
