@@ -14,7 +14,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.sparse.csgraph import connected_components
 
 from ngcell.solve.options import MinimiserOptions
 
@@ -120,12 +119,13 @@ class Damper:
         if not (lacking > 0).any():
             return False
         rows = np.repeat(np.arange(couplings.shape[0]), np.diff(couplings.indptr))
-        entries = np.ones(len(rows), dtype=bool), (rows, self.part[couplings.indices])
+        entries = np.ones(len(rows)), (rows, self.part[couplings.indices])
         bodies = sparse.csr_array(entries, shape=(couplings.shape[0], len(lacking)))
-        group = connected_components(bodies.T @ bodies, directed=False)[1]
-        at_fault = self._at_fault(lacking)
-        together = int(np.isin(group, group[at_fault]).sum())
-        return int(at_fault.sum()) < self.options.local * together
+        coupled, at_fault = bodies.T @ bodies, self._at_fault(lacking)
+        before, together = 0, at_fault
+        while before < together.sum():
+            before, together = int(together.sum()), together | (coupled @ together > 0)
+        return int(at_fault.sum()) < self.options.local * before
 
     def relaxed(self, damping: Array, step: Array, slope: float, lacking: Array, quality: float) -> Array:
         """Return the damping after an accepted step; parameters as for `raised`."""
