@@ -62,7 +62,8 @@ class Minimum:
 
 @dataclass(frozen=True, eq=False)
 class Advance:
-    """The next iterate, the damping of each body to go on with, the decrement, and whether damping led here."""
+    """The next iterate, the damping of each body to go on with, the decrement, and whether damping led here, or a model
+    that is not convex."""
 
     state: State
     damping: NDArray[np.float64]
