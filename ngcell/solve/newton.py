@@ -13,7 +13,8 @@ model is refused.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,7 @@ from ngcell.solve.damping import Damper
 from ngcell.solve.effort import Effort
 from ngcell.solve.inner import Uphill, minimise_one_sided
 from ngcell.solve.one_sided import Matrix, OneSidedModel
-from ngcell.solve.options import MinimiserOptions
+from ngcell.solve.options import InnerOptions, MinimiserOptions
 
 Array = NDArray[np.float64]
 
@@ -81,10 +82,17 @@ class Newton:
     clock: Clock
     effort: Effort
 
+    @cached_property
+    def _inner(self) -> InnerOptions:
+        """Among many bodies what a few of them still have to gain is a small share of what all have gained."""
+        inner = self.options.inner
+        gain = min(inner.worthwhile_gain, self.options.worthwhile / len(self.damper.none))
+        return replace(inner, worthwhile_gain=gain)
+
     def step(self, model: OneSidedModel, matrix: Matrix) -> NewtonStep:
         """Return the step of a model."""
         with self.clock.phase("factorisation"):
-            found = minimise_one_sided(model, matrix, self.options.inner)
+            found = minimise_one_sided(model, matrix, self._inner)
         self.effort.factorisations += found.factorisations
         step, change, not_convex = found.step, found.change, None
         if found.uphill is not None:

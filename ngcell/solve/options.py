@@ -45,8 +45,9 @@ class MinimiserOptions:
         Factors of the damping after a refused, a poor and a good step.
     short : float
         Share of a step below which it is not cut to the longest step, but damped in the bodies that go too far.
-    local : float
-        Share of the coupled bodies below which a model that is not convex is at fault in few places only.
+    local, worthwhile : float, float
+        Share of the coupled bodies below which a model that is not convex is at fault in few places only, and so many
+        bodies' mean share of the decrease that is worth an inner iteration, if that is less than the inner problem's.
     felt, unfelt : float
         Shares of a step's slope at which damping is felt along the step, and at which it is not.
     round_off, no_decrement : float
@@ -56,10 +57,8 @@ class MinimiserOptions:
         as many iterations as `idle` left it at its lowest: forces are round-off, or steps go to and fro at a kink of
         the energy, as where walls end at a corner of three cells. As many iterations whose steps were refused at first,
         and that gained less together than the minimisation is to be exact, creep along such a kink.
-    touching : float
-        Gap below which a prediction keeps walls closed.
-    noise : float
-        Round-off of an energy at rest, as a share of the scale: there it is a difference of numbers of order one.
+    touching, noise : float, float
+        Gap below which a prediction keeps walls closed; and round-off of an energy at rest as a share of the scale.
     most_refusals, most_iterations : int
         Limits of one step, and of one minimisation: where rows of cells slide past others, it takes some hundreds.
     near : float
@@ -67,7 +66,7 @@ class MinimiserOptions:
     most_direct, narrow : int, float
         Unknowns and width of bodies up to either of which solids are factorised in one piece; planar scenes always are.
     inner, foreseeing : InnerOptions
-        Those of the inner problem, and of one that nothing judges afterwards: it ends when walls have settled.
+        Those of the inner problem, and of one that nothing judges afterwards, which ends when walls have settled.
     """
 
     poor: float = 1e-4
@@ -77,6 +76,7 @@ class MinimiserOptions:
     lower_by: float = 0.1
     short: float = 0.1
     local: float = 0.5
+    worthwhile: float = 10.5
     felt: float = 0.1
     unfelt: float = 1e-4
     round_off: float = 1e-13

@@ -76,3 +76,10 @@ def test_a_convex_model_has_no_fault():
     found, _ = step_of(bodies=4, unstable=0)
     assert found.not_convex is None
     np.testing.assert_allclose(found.step, 1.0)
+
+
+@pytest.mark.parametrize(("bodies", "gain"), [(2, 0.3), (35, 0.3), (100, 0.105), (500, 0.021)])
+def test_among_many_bodies_a_small_share_of_the_decrease_is_worth_another_round(bodies, gain):
+    damper = Damper(sparse.csr_array(np.eye(bodies)), np.arange(bodies), MinimiserOptions())
+    newton = Newton(damper, inf, damper.options, Clock(), Effort())
+    assert newton._inner.worthwhile_gain == pytest.approx(gain)
