@@ -69,9 +69,7 @@ class Damper:
         """
         at_fault = self._at_fault(lacking)
         # As much for each of them: what presses a body at rest is at fault, too, and must not be frozen in its place.
-        felt = self.options.felt * abs(slope) / max(float(self._way(step)[at_fault].sum()), float(np.finfo(float).tiny))
-        raised = np.maximum(self.options.raise_by * damping, felt)
-        return np.where(at_fault, np.minimum(raised, _LARGEST), damping)
+        return self._at_least(self.options.felt * abs(slope), damping, step, at_fault)
 
     def shortened(self, damping: Array, step: Array, slope: float) -> Array:
         """Return the damping after a step of which little is left, since some bodies would go too far.
@@ -83,9 +81,7 @@ class Damper:
         longest = np.zeros_like(damping)
         np.maximum.at(longest, self.part, np.abs(step))
         far = longest > self.options.short * longest.max()
-        needed = abs(slope) / max(float(self._way(step)[far].sum()), float(np.finfo(float).tiny))
-        raised = np.maximum(self.options.raise_by * damping, needed)
-        return np.where(far, np.minimum(raised, _LARGEST), damping)
+        return self._at_least(abs(slope), damping, step, far)
 
     def straightened(self, damping: Array, way: Array, lacking: Array) -> Array:
         """Return the damping with which a model falls no more along a way on which it is not convex.
@@ -99,10 +95,7 @@ class Damper:
         lacking : array of float, shape (bodies,)
             Minus the product of the way with the model's matrix and itself, body by body [energy].
         """
-        at_fault = self._at_fault(lacking)
-        needed = float(np.maximum(lacking, 0.0).sum()) / float(self._way(way)[at_fault].sum())
-        raised = np.maximum(self.options.raise_by * damping, needed)
-        return np.where(at_fault, np.minimum(raised, _LARGEST), damping)
+        return self._at_least(float(np.maximum(lacking, 0.0).sum()), damping, way, self._at_fault(lacking))
 
     def is_local(self, lacking: Array, couplings: sparse.csr_array) -> bool:
         """Return whether a model lacks what it lacks in a few of the bodies that contact couples, and not altogether.
@@ -135,6 +128,12 @@ class Damper:
             return lowered
         nudged = np.maximum(self.options.nudge_by * damping, unfelt)
         return np.where(self._at_fault(lacking), nudged, lowered)
+
+    def _at_least(self, energy: float, damping: Array, step: Array, where: NDArray[np.bool_]) -> Array:
+        """Return the damping raised in some bodies, so that it takes at least this energy along a step of them."""
+        needed = energy / max(float(self._way(step)[where].sum()), float(np.finfo(float).tiny))
+        raised = np.maximum(self.options.raise_by * damping, needed)
+        return np.where(where, np.minimum(raised, _LARGEST), damping)
 
     def _way(self, step: Array) -> Array:
         """Return the squared way of each body in the mass norm, shape (bodies,)."""
