@@ -138,14 +138,13 @@ class Level(Generic[Scene]):
         whole = coarse.problem.expand(accepted.minimum.state.displacement)
         start = mine.motion.imposed(transferred(whole, coarse.simulation.space, mine.space), load)
         path = self._released.path if accepted.minimum.proximal.weight else None
+        share = path.options.of_leading if path else mine.options.solver.handed_on if only_leads else None
         for softer, last in [self._tied_at(start, load)] if is_tied else self._attempts(only_leads):
             effort = spent((*softer, *last))
             self._prepare(softer, last, coarse, start, mine.problem_of(accepted.phase, only_leads=only_leads))
             try:
                 length, options = self._released.longest_step, mine.options.solver
-                if only_leads:  # nobody asks for its last digits
-                    options = replace(options, continuation=replace(options.continuation, refined=options.handed_on))
-                minimum = settled(last, start, softer=softer, length=length, options=options, path=path)
+                minimum = settled(last, start, softer=softer, length=length, options=options, path=path, share=share)
             except OutOfIterations:
                 return None
             accepted = replace(accepted, effort=accepted.effort + (spent((*softer, *last)) - effort))
@@ -171,7 +170,7 @@ class Level(Generic[Scene]):
             if led.only_leads:
                 minimum = self._by_meant_contact(led, may_slide)
             elif minimum.proximal.weight:
-                minimum = rested(minimiser, minimum, path)
+                minimum = rested(minimiser, path.finished(minimiser, minimum), path)
         except OutOfIterations:
             return None
         if not minimum.is_found:

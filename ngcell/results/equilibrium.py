@@ -106,12 +106,12 @@ def balance_of(setup: Setup, problem: Problem, state: State, proximal_force: Arr
     internal, load = problem.force(at, Role.INTERNAL), -problem.force(at, Role.LOAD)
     # Supports bear what internal, contact, load and proximal forces leave.
     left = internal + problem.force(at, Role.INTERACTION) - load - proximal_force
-    forces = contact_forces(problem, state)
+    forces, reaction = contact_forces(problem, state), problem.unknowns.reactions(left)
     return Balance(
         gap=setup.facing.gaps(setup.walls, setup.walls.nodes(at.positions)),
-        nodal=NodalForces(internal, problem.unknowns.reactions(left), load, proximal_force),
+        nodal=NodalForces(internal, reaction, load, proximal_force),
         forces=forces,
-        free_bodies=_held_by_nothing(problem, setup, forces, proximal_force),
+        free_bodies=_held_by_nothing(problem, setup, forces, proximal_force, left - reaction),
     )
 
 
@@ -159,13 +159,16 @@ def mean_and_largest(facing: FacingWalls, gap: Array, chosen: NDArray[np.bool_])
     return mean, float(gap[chosen].max(initial=0.0))
 
 
-def _held_by_nothing(problem: Problem, setup: Setup, forces: ContactForces, proximal_force: Array) -> tuple[int, ...]:
+def _held_by_nothing(
+    problem: Problem, setup: Setup, forces: ContactForces, proximal_force: Array, unbalanced: Array
+) -> tuple[int, ...]:
+    """Return the bodies that contacts press by hardly more than what pulls them, and than what is not balanced yet."""
     if not problem.unknowns.lets_bodies_part:
         return ()
-    pull = np.linalg.norm(problem.space.resultants(proximal_force), axis=1)
+    pull, left = (np.linalg.norm(problem.space.resultants(part), axis=1) for part in (proximal_force, unbalanced))
     # Where no pull is left, a force that a certificate takes for balance holds nothing.
     largest = max(float(forces.pressed.max(initial=0.0)), scales_of(problem.space, setup.modulus, 0.0).force)
-    free = forces.pressed <= np.maximum(HELD * pull, LIMITS["residual"] * largest)
+    free = forces.pressed <= np.maximum(HELD * pull + left, LIMITS["residual"] * largest)
     # A support holds a body if it leaves it no direction: mirrored prisms may still move in the plane.
     body, count = problem.space.body_of_unknown, len(free)
     free[np.all([np.bincount(body[fixed], minlength=count) > 0 for fixed in setup.motion.fixed], axis=0)] = False

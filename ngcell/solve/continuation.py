@@ -34,10 +34,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.solve.continuation_options import ContinuationOptions
 from ngcell.solve.foreseen import with_foreseen_multipliers
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Ending, Minimum
-from ngcell.solve.options import ContinuationOptions
 from ngcell.solve.problem import State
 from ngcell.solve.proximal import ProximalTerm
 from ngcell.solve.recentred import at_rest, minimised, pull_on_bodies, recentred
@@ -134,7 +134,8 @@ class Continuation:
             if minimum.is_found and is_end and options.sufficient:
                 minimum = recentred(minimiser, minimum.state.displacement, minimum.proximal.weight, options)
                 if minimum.is_found:
-                    minimum = at_rest(minimiser, minimum, self.scale, options.resting, options, options.refined)
+                    share = options.of_leading if options.only_leads else options.refined
+                    minimum = at_rest(minimiser, minimum, self.scale, options.resting, options, share)
                 return minimum if options.only_leads else rested(minimiser, minimum, self), None
             if minimum.is_found and is_end:
                 most = 2 * enough.way - way if enough else None
@@ -156,6 +157,13 @@ class Continuation:
             milestone = max(options.stiffen_at, options.end) if len(rest) > 1 else options.end
             weight = max(weight / 10**decades, milestone)
         return minimum, enough
+
+    def finished(self, minimiser: Minimiser, minimum: Minimum) -> Minimum:
+        """Return a minimum that has led to finer meshes with the last digits of what is reported."""
+        options = self.options
+        if minimum.decrement <= options.refined * minimiser.problem.magnitude(minimum.state):
+            return minimum
+        return at_rest(minimiser, minimum, self.scale, options.resting, options, options.refined)
 
     def handing_over(self) -> Continuation:
         """Return the continuation by which multipliers take over from a penalty: walls are held so that they stay at

@@ -7,7 +7,9 @@ continuation's scale (`ngcell.solve.continuation`).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+
+from ngcell.solve.continuation_options import ContinuationOptions
 
 
 @dataclass(frozen=True)
@@ -93,115 +95,6 @@ class MinimiserOptions:
     narrow: float = 200.0
     inner: InnerOptions = field(default_factory=InnerOptions)
     foreseeing: InnerOptions = InnerOptions(most_rounds=50, worthwhile_gain=0.0)
-
-
-@dataclass(frozen=True)
-class ContinuationOptions:
-    """Numbers of the continuation in the weight of the proximal term.
-
-    Attributes
-    ----------
-    first, enough, last : float
-        Weight at the start, where the continuation may end if need be, and at its end, where the centre stays.
-    felt, felt_of_accuracy : float
-        Pull of the proximal term on a body that is felt, as a share of the largest force on one; and that over the
-        accuracy that is asked for: half of what the certificate allows.
-    sufficient, sufficient_of_accuracy : float
-        By how much the energy may still fall, as a share of itself, when no further centre is taken, 0 where the centre
-        stays; and that over the accuracy that is asked for.
-    recentred, resting, most_recentred, idle, idle_at_last, refined : float, float, int, float, float, float
-        Weight at which the proximal term begins to hold bodies where they are; that under which last digits are found,
-        which is no less; the most centres; the share of a fall above which the next one is slow, and the weight is
-        lowered; that share once falls suffice and only the pull is felt; and the decrement of the last minimisation as
-        a share of the energy: 1e-12 left forces 2.9e-6 out of balance, and does not tell which cells nothing holds.
-    allowed, allowed_of_accuracy, nearly_allowed : float, float, float
-        Pull that is allowed in a result, as a share of the largest force on a body; that over the accuracy that is
-        asked for, nine tenths of what the certificate allows; and the multiple of it up to which another centre under
-        the same weight may do.
-    only_leads : bool
-        Whether the end of the path only leads to equilibria on finer meshes.
-    handover, handover_idle : float
-        Weight from which multipliers take over from a penalty: without its overlaps walls slide on, far for little
-        energy; and `idle_at_last` there.
-    slid, most_leads : float, int
-        Falls that suffice from which on they have slid away, and the penalty, which may cost half of it, leads again.
-    hardly_strained : float
-        Strain below which the energy is told from nothing no more.
-    first_overlapping : float
-        Weight at the start where walls overlap at rest: a larger one would hold them deep in each other, where the
-        nearest wall changes from point to point and the energy is not smooth.
-    narrowest, widest, last_digit : float
-        Decades by which the weight falls from one minimisation to the next, at least and at most; and the length to
-        which the place is rounded where a continuation begins.
-    stiffen_at : float
-        Weight at which contact stiffens: walls have found their contact pairs there, and floating cells are still held
-        well enough to follow.
-    on_the_way, at_the_end : float
-        Decrement at which a minimisation on the way, and the last one, ends: shares of the proximal energy.
-    update : float
-        Decrement at which a minimisation between multiplier updates ends: share of the energy of missed conditions.
-    condition, most_updates, foreseen : float, int, float
-        Length by which conditions may be missed at the end, the most updates to get there, and the share of missed
-        conditions that multipliers which are foreseen may leave in their model.
-    cycling : int
-        Iterations of one minimisation that are active-set cycling, on the last stretch and between multiplier updates.
-    slow, nothing : float
-        Share of what was missed before above which an update was slow; and that of the energy that is nothing: a
-        decrement on the way, or what is missed where updates hardly help, as slivers of walls bear nothing.
-    farthest, hold_back : float
-        Longest way of a predicted centre, in longest steps or ways of the supports, and the factor of the weight that
-        holds back what would go further.
-    """
-
-    first: float = 1e3
-    enough: float = 1e-7
-    last: float = 1e-9
-    felt: float = 0.0
-    felt_of_accuracy: float = 0.05
-    sufficient: float = 0.0
-    sufficient_of_accuracy: float = 0.05
-    recentred: float = 1e-4
-    resting: float = 1e-3
-    most_recentred: int = 30
-    idle: float = 0.9
-    idle_at_last: float = 0.9
-    refined: float = 1e-16
-    allowed: float = 0.0
-    allowed_of_accuracy: float = 0.09
-    nearly_allowed: float = 2.0
-    only_leads: bool = False
-    handover: float = 3e-3
-    handover_idle: float = 0.7
-    slid: float = 10.0
-    most_leads: int = 10
-    hardly_strained: float = 1e-5
-    first_overlapping: float = 1.0
-    narrowest: float = 0.5
-    widest: float = 1.0
-    last_digit: float = 1e-6
-    stiffen_at: float = 1e-5
-    on_the_way: float = 0.01
-    at_the_end: float = 1e-12
-    update: float = 0.1
-    condition: float = 1e-12
-    most_updates: int = 40
-    foreseen: float = 1e-5
-    cycling: int = 200
-    slow: float = 0.1
-    nothing: float = 1e-11
-    farthest: float = 2.0
-    hold_back: float = 100.0
-
-    def within(self, accuracy: float) -> ContinuationOptions:
-        """Return the numbers with which results have this relative error."""
-        felt, sufficient = self.felt_of_accuracy * accuracy, self.sufficient_of_accuracy * accuracy
-        allowed, resting = self.allowed_of_accuracy * accuracy, max(self.resting, self.recentred)
-        return replace(self, felt=felt, allowed=allowed, sufficient=sufficient, resting=resting)
-
-    @property
-    def end(self) -> float:
-        """Weight at which the path from one centre ends."""
-        return self.recentred if self.sufficient else self.last
 
 
 @dataclass(frozen=True)

@@ -16,10 +16,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.solve.continuation_options import ContinuationOptions
 from ngcell.solve.effort import Effort
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Minimum
-from ngcell.solve.options import ContinuationOptions
 from ngcell.solve.proximal import ProximalTerm
 
 Array = NDArray[np.float64]

@@ -29,6 +29,7 @@ def settled(
     options: SolverOptions,
     path: Continuation | None = None,
     lowest: float = -np.inf,
+    share: float | None = None,
 ) -> Minimum:
     """Return the minimum near a state that was found on a coarser mesh, as sure as its energy is asked for.
 
@@ -52,9 +53,11 @@ def settled(
         The continuation on this mesh, if bodies may float: the proximal term then holds them where they are.
     lowest : float
         Energy below which walls that may float have slid away, and no equilibrium is found [energy].
+    share : float, optional
+        Decrement of the last minimisation, as a share of the energy; by default that of what is reported.
     """
     minimum, before = None, None
-    refined, weight = options.continuation.refined, 0.0 if path is None else path.scale * path.options.recentred
+    refined, weight = share or options.continuation.refined, path.scale * path.options.recentred if path else 0.0
     for minimiser in softer:
         held = ProximalTerm(weight, start)
         minimum = minimiser.minimise(start, held, options.handed_on * _magnitude(minimiser, start))

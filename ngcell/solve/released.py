@@ -168,7 +168,6 @@ class Released:
         """
         leads, last = self.minimisers[-2:]
         options = self.path.options
-        handed_on = replace(self.options.continuation, refined=self.options.handed_on)
         for _ in range(options.most_leads):
             slid = options.slid * options.sufficient * leads.problem.magnitude(led.state) or np.inf
             lowest = led.state.energy - slid
@@ -178,8 +177,10 @@ class Released:
             if not may_slide or minimum.ending not in (Ending.SLID, Ending.NO_DESCENT):
                 break
             _log.info(minimum.ending.value)
-            numbers, start = replace(self.options, continuation=handed_on), minimum.state.displacement
-            led = settled((leads,), start, length=self.longest_step, options=numbers, path=self.path)
+            start, length = minimum.state.displacement, self.longest_step
+            led = settled(
+                (leads,), start, length=length, options=self.options, path=self.path, share=options.of_leading
+            )
             if not led.is_found:
                 return led
         return minimum

@@ -25,7 +25,8 @@ from ngcell.results.error import ERROR_NAMES, Numbers
 from ngcell.results.finding import compare
 from ngcell.results.quantities import View
 from ngcell.scene import Expected
-from ngcell.solve.options import ContinuationOptions, SolverOptions
+from ngcell.solve.continuation_options import ContinuationOptions
+from ngcell.solve.options import SolverOptions
 
 SMALL = ("tissue.rows=2", "tissue.cols=2", "load.displacement=[0.3, 0.0]", "load.levels=1")
 PAIR = ("tissue.rows=1", "tissue.cols=2", "load.displacement=[0.2, 0.0]", "load.levels=1")

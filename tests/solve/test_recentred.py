@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from ngcell.solve.continuation import Continuation, rested
+from ngcell.solve.continuation_options import ContinuationOptions
 from ngcell.solve.minimise import Minimiser
-from ngcell.solve.minimum import Ending
-from ngcell.solve.options import ContinuationOptions
+from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.proximal import ProximalTerm
 from ngcell.solve.recentred import at_rest, force_through, pull_on_bodies, recentred
 from tests.solve.test_minimise import Landscape, Model, Point
@@ -121,3 +121,30 @@ def test_the_pull_on_all_bodies_is_felt_beside_what_goes_through_the_supports():
                       proximal=ProximalTerm(weight, np.array([-1.0, 0.0, 0.0])))
     way = minimum.state.displacement[0] + 1.0
     assert pull_on_bodies(minimiser, minimum, 0.1) == pytest.approx(30 * weight * way / 10 / 0.1)
+
+
+def test_meshes_that_lead_end_early_and_last_digits_are_found_where_they_are_reported():
+    """A well that is not quadratic, whose digits take a few iterations: 1e-8 at 0.1, and round-off without accuracy."""
+
+    class Well(Bowl):
+        def at(self, displacement: np.ndarray) -> Point:
+            way = displacement[0] - FAR
+            return Point(displacement, way**2 / 2 + way**4 - 1)
+
+        def linearise(self, state: Point) -> Model:
+            way = state.displacement[0] - FAR
+            stiffness = np.array([1 + 12 * way**2, 1.0, 1.0])
+            return replace(super().linearise(state), gradient=np.array([way + 4 * way**3, 0, 0]), stiffness=stiffness)
+
+    options = ContinuationOptions().within(0.1)
+    assert options.of_leading == pytest.approx(1e-8)
+    assert ContinuationOptions().within(0.01).of_leading == pytest.approx(1e-10)
+    assert ContinuationOptions().of_leading == options.refined
+    minimiser, path = Minimiser(Well(), 1.0, energy_scale=1.0), Continuation(1e-9, options)
+    begin = Minimum(Well().at(np.zeros(3)), Ending.CONVERGED, 1.0, ProximalTerm(0.0, np.zeros(3)))
+    led = at_rest(minimiser, begin, path.scale, 1.0, options, 1e-3)
+    assert options.refined < led.decrement <= 1e-3
+    found = path.finished(minimiser, led)
+    assert found.is_found and found.decrement <= options.refined
+    spent = minimiser.effort.iterations
+    assert path.finished(minimiser, found) is found and minimiser.effort.iterations == spent

@@ -12,9 +12,9 @@ import pytest
 
 from ngcell.problem.problem import Problem
 from ngcell.solve.continuation import Continuation
+from ngcell.solve.continuation_options import ContinuationOptions
 from ngcell.solve.effort import Effort
 from ngcell.solve.minimum import Ending, Minimum
-from ngcell.solve.options import ContinuationOptions
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.proximal import ProximalTerm
 from ngcell.solve.released import Released
