@@ -128,17 +128,23 @@ class Level(Generic[Scene]):
         """Whether contact pressures are unknowns, to which a penalty leads."""
         return self.simulation.problem_of("released").has_multipliers
 
-    def settled(self, coarse: Refined[Scene], *, only_leads: bool = False) -> Refined[Scene] | None:
+    def settled(
+        self, coarse: Refined[Scene], *, only_leads: bool = False, is_finished_later: bool = False
+    ) -> Refined[Scene] | None:
         """Return a step on this mesh that was found on the one before; None where it finds no equilibrium.
 
-        If it `only_leads` to what is reported, released walls are in the contact of the stage before the last.
+        If it `only_leads` to what is reported, released walls are in the contact of the stage before the last. Last
+        digits are left out where the step `is_finished_later`, if it is reported, and found where nothing but the error
+        of another is told by it.
         """
         mine, accepted = self.simulation, coarse.accepted
         load, is_tied = accepted.load_factor, accepted.phase == "tied"
         whole = coarse.problem.expand(accepted.minimum.state.displacement)
         start = mine.motion.imposed(transferred(whole, coarse.simulation.space, mine.space), load)
         path = self._released.path if accepted.minimum.proximal.weight else None
-        share = path.options.of_leading if path else mine.options.solver.handed_on if only_leads else None
+        share = mine.options.solver.handed_on if only_leads else None
+        if path is not None and is_finished_later:
+            share = path.options.of_leading
         for softer, last in [self._tied_at(start, load)] if is_tied else self._attempts(only_leads):
             effort = spent((*softer, *last))
             self._prepare(softer, last, coarse, start, mine.problem_of(accepted.phase, only_leads=only_leads))

@@ -171,7 +171,8 @@ class Refinement(Generic[Scene]):
         if level is None:
             return None
         is_reported, phase = self._stages[coarse.level + 1].is_reported, coarse.accepted.phase
-        return level.settled(coarse, only_leads=is_reported and phase != "tied" and level.has_multipliers)
+        only_leads = is_reported and phase != "tied" and level.has_multipliers
+        return level.settled(coarse, only_leads=only_leads, is_finished_later=is_reported)
 
 
 def _numbers(one: Refined[Scene]) -> Numbers:

@@ -3,9 +3,10 @@
 Each minimum is the centre of the next proximal term (Rockafellar 1976, doi:10.1137/0314056), so that bodies that
 nothing holds stay, and no proximal force is left in the end. Where they creep on, the next centre is ahead of the
 minimum, by what the last two ways foresee (Anderson 1965, doi:10.1145/321296.321305). `recentred` goes on until the
-energy hardly falls any more; `at_rest` goes down to round-off. That is reached under a weight that holds firmly: under
-a small one the same digits take several times the iterations, since cells slide on along others for falls of the energy
-that suffice no more to be of interest. What the term then pulls is weighed where a state is reported.
+energy hardly falls any more; `at_rest` finds the digits after that, down to round-off where a state is reported. They
+are found under a weight that holds firmly: under a small one they take several times the iterations, since cells slide
+on along others for falls of the energy that suffice no more to be of interest. What the term then pulls is weighed
+where a state is reported.
 """
 
 from __future__ import annotations

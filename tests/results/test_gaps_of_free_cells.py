@@ -5,9 +5,12 @@ Where a free cell lies is up to the proximal term that holds it still, and says 
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 import ngcell
+from ngcell.build.simulation import Simulation
+from ngcell.results.equilibrium import Balance, balance_of
 
 PLAIN = ["load.levels=1", "mesh.order=2", "accuracy=inf"]
 SCENES = {
@@ -32,3 +35,27 @@ def test_walls_of_free_cells_are_counted_apart(scene: str):
     # Walls of all cells are equally long.
     assert record.mean_gap == pytest.approx(sum(wall.mean_gap for wall in held) / len(held), rel=1e-9)
     assert record.free_mean_gap == pytest.approx(sum(wall.mean_gap for wall in of_free) / len(of_free), rel=1e-9)
+
+
+def test_a_contact_that_is_not_balanced_yet_holds_nothing():
+    """A free cell that has been moved a little against another is pressed by it, and flies off."""
+    scene = Simulation(ngcell.read_case("shear-empty-3x3", PLAIN))
+    *_, accepted = scene.follow(scene.start)
+    problem, minimum = scene.problem_of("released"), accepted.minimum
+
+    def balance(displacement: np.ndarray) -> Balance:
+        pull = -minimum.proximal.gradient(displacement, problem.mass)
+        return balance_of(scene.setup, problem, problem.at(displacement), pull)
+
+    at_rest = minimum.state.displacement
+    free, pressed = balance(at_rest).free_bodies, 0
+    assert free
+    for body in free:
+        cell = np.where(problem.space.body_of_unknown == body, problem.space.one, 0.0)
+        for direction in ((1, 1), (-1, 1), (1, -1), (-1, -1)):
+            found = balance(at_rest + 0.01 * np.outer(direction, cell).ravel())
+            forces = np.linalg.norm(found.forces.force, axis=1)[(found.forces.bodies == body).any(axis=1)]
+            if np.count_nonzero(forces) == 1 and forces.max() > 1e-6:  # by one other cell, with nothing against it
+                pressed += 1
+                assert body in found.free_bodies
+    assert pressed

@@ -73,6 +73,7 @@ WITHIN = "0.01"
 WITHIN_ACCURACY: dict[str, tuple[float, ...]] = {
     "solver.continuation.recentred": (1e-5, 1e-3),
     "solver.continuation.resting": (1e-4, 1e-2),
+    "solver.continuation.leading": (0.002, 0.2),
     "solver.continuation.sufficient_of_accuracy": (0.02, 0.1),
     "solver.continuation.felt_of_accuracy": (0.02, 0.1),
     "solver.continuation.allowed_of_accuracy": (0.03, 0.09),
