@@ -29,7 +29,7 @@ def entry_count(problem: Problem) -> int:
     """Return the number of entries of the matrix of released bodies without contact, lower triangle only."""
     # Sorted: numpy's `unique` hashes whole numbers, which takes ten times as long where they are many.
     row, column = problem.pattern
-    keys = np.sort(row * problem.space.unknowns + column)
+    keys = np.sort(row.astype(np.int64) * problem.space.unknowns + column)
     return int(np.count_nonzero(np.diff(keys))) + bool(len(keys))
 
 

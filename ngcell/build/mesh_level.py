@@ -115,6 +115,11 @@ class Level(Generic[Scene]):
     def _closing(self) -> tuple[Minimiser, ...]:
         return self.simulation.closing
 
+    def release(self) -> None:
+        """Give the memory of all matrices back."""
+        for minimiser in (*self._tied, *self._closing, *self._released.minimisers):
+            minimiser.release_matrix()
+
     def _tied_at(self, displacement: Array, load: float) -> tuple[Minimisers, Minimisers]:
         """Return the minimiser of the tied solid, after those of smaller bulk moduli: with contact where a body touches
         itself."""
@@ -176,7 +181,7 @@ class Level(Generic[Scene]):
             if led.only_leads:
                 minimum = self._by_meant_contact(led, may_slide)
             elif minimum.proximal.weight:
-                minimum = rested(minimiser, path.finished(minimiser, minimum), path)
+                minimum = rested(minimiser, minimum, path)
         except OutOfIterations:
             return None
         if not minimum.is_found:

@@ -76,8 +76,15 @@ class Refinement(Generic[Scene]):
     def refine(self, accepted: Accepted) -> Refined[Scene]:
         """Return a step with an error within the accuracy, or with as small a one as there is.
 
-        It depends on the step alone, not on the meshes of steps before it.
+        It depends on the step alone, not on the meshes of steps before it, of which no matrix is kept.
         """
+        try:
+            return self._refined_and_stable(accepted)
+        finally:
+            for level in self._levels:
+                level.release()
+
+    def _refined_and_stable(self, accepted: Accepted) -> Refined[Scene]:
         found = self._refined(accepted)
         if found.accepted.minimum is accepted.minimum:  # the load path has told the curvature of its own
             return found
@@ -172,7 +179,10 @@ class Refinement(Generic[Scene]):
             return None
         is_reported, phase = self._stages[coarse.level + 1].is_reported, coarse.accepted.phase
         only_leads = is_reported and phase != "tied" and level.has_multipliers
-        return level.settled(coarse, only_leads=only_leads, is_finished_later=is_reported)
+        finer = level.settled(coarse, only_leads=only_leads, is_finished_later=is_reported)
+        if finer is not None:
+            self._levels[coarse.level].release()
+        return finer
 
 
 def _numbers(one: Refined[Scene]) -> Numbers:

@@ -125,7 +125,6 @@ class DisplacementSpace:
 def csr_matrix(matrix: ngsolve.la.BaseMatrix) -> sparse.csr_array:
     """Return a copy of an NGSolve sparse matrix."""
     values, columns, pointer = matrix.CSR()
-    return sparse.csr_array(
-        (np.array(values), np.array(columns, dtype=np.int64), np.array(pointer, dtype=np.int64)),
-        shape=(matrix.height, matrix.width),
-    )
+    narrow = np.int64 if len(values) > np.iinfo(np.int32).max else np.int32
+    parts = np.array(values), np.array(columns, dtype=narrow), np.array(pointer, dtype=narrow)
+    return sparse.csr_array(parts, shape=(matrix.height, matrix.width))

@@ -102,8 +102,8 @@ class EnergyForm:
     def pattern(self) -> tuple[Index, Index]:
         """Rows and columns of the lower triangle of the tangent."""
         matrix = csr_matrix(self._form.mat if self._is_assembled else self._assembled(np.zeros(self._unknowns)))
-        row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
-        column = matrix.indices.astype(np.int64)
+        row = np.repeat(np.arange(matrix.shape[0], dtype=np.int32), np.diff(matrix.indptr))
+        column = matrix.indices.astype(np.int32)
         self._lower = row >= column
         return row[self._lower], column[self._lower]
 

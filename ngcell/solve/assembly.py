@@ -71,6 +71,10 @@ class Assembly:
         if self._system is not None:
             self._system.matrix.forget()
 
+    def release(self) -> None:
+        """Give the matrix back; the next model makes another one."""
+        self._system = None
+
     @cached_property
     def is_iterative(self) -> bool:
         """Whether systems are solved by iterations, and not factorised in one piece."""

@@ -8,6 +8,7 @@ Those with the same neighbours form a clique that is eliminated at once.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,11 +68,16 @@ def _cliques(pattern: sparse.csr_array, members: Index, inside: Mask, count: int
     position = _rows(pattern, mine.ravel(), size)[1].reshape(number, count, size)
     chosen = np.broadcast_to(inside[:, None], position.shape)
     return Cliques(
-        inside=mine,
-        around=members[~inside].reshape(number, size - count),
-        among=position[chosen].reshape(number, count, count),
-        between=position[~chosen].reshape(number, count, size - count),
+        inside=narrowed(mine),
+        around=narrowed(members[~inside].reshape(number, size - count)),
+        among=narrowed(position[chosen].reshape(number, count, count)),
+        between=narrowed(position[~chosen].reshape(number, count, size - count)),
     )
+
+
+def narrowed(index: Index) -> NDArray[Any]:
+    """Return an index in 32 bits, if it has room there: half of the memory of a wider one."""
+    return index.astype(np.int32) if index.max(initial=0) <= np.iinfo(np.int32).max else index.astype(np.int64)
 
 
 def _both_triangles(lower: sparse.csr_array) -> sparse.csr_array:

@@ -133,10 +133,10 @@ class Continuation:
                 minimum = replace(minimum, ending=Ending.NO_DESCENT)
             if minimum.is_found and is_end and options.sufficient:
                 minimum = recentred(minimiser, minimum.state.displacement, minimum.proximal.weight, options)
-                if minimum.is_found:
-                    share = options.of_leading if options.only_leads else options.refined
-                    minimum = at_rest(minimiser, minimum, self.scale, options.resting, options, share)
-                return minimum if options.only_leads else rested(minimiser, minimum, self), None
+                if minimum.is_found and options.only_leads:
+                    share = options.of_leading
+                    return at_rest(minimiser, minimum, self.scale, options.resting, options, share), None
+                return rested(minimiser, minimum, self), None
             if minimum.is_found and is_end:
                 most = 2 * enough.way - way if enough else None
                 minimum = until_conditions_hold(
@@ -158,13 +158,6 @@ class Continuation:
             weight = max(weight / 10**decades, milestone)
         return minimum, enough
 
-    def finished(self, minimiser: Minimiser, minimum: Minimum) -> Minimum:
-        """Return a minimum that has led to finer meshes with the last digits of what is reported."""
-        options = self.options
-        if minimum.decrement <= options.refined * minimiser.problem.magnitude(minimum.state):
-            return minimum
-        return at_rest(minimiser, minimum, self.scale, options.resting, options, options.refined)
-
     def handing_over(self) -> Continuation:
         """Return the continuation by which multipliers take over from a penalty: walls are held so that they stay at
         its equilibrium, or slide on in small steps."""
@@ -182,27 +175,35 @@ class Continuation:
 
 
 def rested(minimiser: Minimiser, minimum: Minimum, path: Continuation, lowest: float = -np.inf) -> Minimum:
-    """Return the equilibrium beside a minimum: conditions of contact hold, and the proximal force is no more than a
-    certificate allows.
+    """Return the equilibrium beside a minimum, to the last digit: conditions of contact hold, and the proximal force is
+    no more than a certificate allows.
 
-    As long as it is more, the minimum is the next centre, under no larger weight than that of the path's end; where
-    that takes less than half of the pull away, the weight is lowered. It ends where the energy falls below `lowest`.
+    As long as it is more, walls are followed on from there, until it is half of that, at first under the weight under
+    which last digits are found, then under smaller ones. It ends where the energy falls below `lowest`.
     """
-    options, before, to_fall = path.options, float("inf"), minimum.to_fall
+    options, to_fall, firm = path.options, minimum.to_fall, path.scale * path.options.resting
+    weight, is_last = options.resting, False
     while minimum.is_found:
         minimum = until_conditions_hold(minimiser, minimum, minimiser.longest_step, options)
-        weight = minimum.proximal.weight
-        if not minimum.is_found or weight <= path.scale * options.last:
+        if not minimum.is_found:
             break
-        pull = pull_on_bodies(minimiser, minimum, options.allowed)
-        if pull <= 1:
+        pull = pull_on_bodies(minimiser, minimum, options.allowed) if weight > options.last else 0.0
+        if pull > 1:
+            _log.info("the proximal force is %.2g times what is allowed", pull)
+            following = replace(options, recentred=weight, felt=options.allowed / 2)
+            minimum = recentred(minimiser, minimum.state.displacement, path.scale * weight, following, lowest)
+            if minimum.is_found:
+                minimum = at_rest(minimiser, minimum, path.scale, options.resting, options, options.of_leading, lowest)
+            weight, is_last = max(weight / 10, options.last), False
+            continue
+        enough = options.refined * minimiser.problem.magnitude(minimum.state)
+        if is_last or minimum.decrement <= enough:
             break
-        _log.info("the proximal force is %.2g times what is allowed", pull)
-        is_slow = pull > options.nearly_allowed or pull > before / 2
-        lower = weight / path.scale / (10 if is_slow else 1)
-        before = float("inf") if is_slow or lower > options.recentred else pull
-        lower = min(lower, options.recentred)
-        minimum = at_rest(minimiser, minimum, path.scale, lower, options, options.refined, lowest)
+        is_last = True
+        if minimum.proximal.weight < firm:
+            minimum = at_rest(minimiser, minimum, path.scale, options.resting, options, options.refined, lowest)
+        else:
+            minimum, _ = minimised(minimiser, minimum.state.displacement, minimum.proximal, 0.0, 0.0, enough)
     return replace(minimum, to_fall=to_fall)
 
 

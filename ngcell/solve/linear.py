@@ -41,7 +41,7 @@ class SymmetricMatrix:
 
     def __init__(self, size: int, free: NDArray[np.bool_], rows: Index, columns: Index) -> None:
         self.size = size
-        keys = np.sort(rows * size + columns)
+        keys = np.sort(rows.astype(np.int64) * size + columns)
         self._keys = keys[np.diff(keys, prepend=-1) > 0]
         row, column = self.entries
         pointer = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=size))])
@@ -90,7 +90,7 @@ class SymmetricMatrix:
 
     def find(self, rows: Index, columns: Index) -> tuple[Index, NDArray[np.bool_]]:
         """Return the positions of entries, and whether they are part of the pattern."""
-        wanted = rows * self.size + columns
+        wanted = rows.astype(np.int64) * self.size + columns
         position = np.minimum(np.searchsorted(self._keys, wanted), len(self._keys) - 1)
         return position, self._keys[position] == wanted
 

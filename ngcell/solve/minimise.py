@@ -171,6 +171,10 @@ class Minimiser:
         """Make the next matrix anew, so that its order of elimination tells nothing of earlier minimisations."""
         self.assembly.forget()
 
+    def release_matrix(self) -> None:
+        """Give the memory of the matrix back."""
+        self.assembly.release()
+
     @property
     def is_iterative(self) -> bool:
         """Whether systems are solved by iterations, and not factorised in one piece."""
@@ -243,7 +247,9 @@ class Minimiser:
                 if change < 0 and gain > least:
                     relaxed = self._damper.relaxed(damping, step, slope, lacking, gain / -change)
                     return Advance(trial, relaxed, found.decrement, is_led and not is_last)
-            if is_convex or found.not_convex is None:
+            if not is_convex and undamped.is_bent and self.problem.has_multipliers:
+                undamped = undamped.straight
+            elif is_convex or found.not_convex is None:
                 damping = self._damper.raised(damping, step, slope, lacking)
             else:
                 damping = self._damper.straightened(damping, *found.not_convex)

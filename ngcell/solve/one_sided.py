@@ -5,7 +5,7 @@ It has the linearised gap of every near wall. `ngcell.solve.inner` finds its min
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol
 
@@ -79,6 +79,16 @@ class OneSidedModel:
     jacobian: sparse.csr_array
     penalty: Array
     free: NDArray[np.bool_]
+
+    @property
+    def is_bent(self) -> bool:
+        """Whether it has the curvature of gaps."""
+        return self.stiffness.moving is not None
+
+    @property
+    def straight(self) -> OneSidedModel:
+        """The model as if gaps were linear in displacements."""
+        return replace(self, stiffness=replace(self.stiffness, moving=None))
 
     @cached_property
     def full_gradient(self) -> Array:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.solve.cliques import narrowed
 from ngcell.solve.condensed import CondensedMatrix
 from ngcell.solve.iterative import IterativeMatrix
 from ngcell.solve.problem import Problem
@@ -76,7 +77,8 @@ def iterative_system(problem: Problem) -> System:
 
 
 def _located(matrix: SystemMatrix, bulk: tuple[Index, Index], metric: tuple[Index, Index], values: Array) -> System:
-    return System(matrix, matrix.locate(*bulk), matrix.locate(*metric), *metric, values)
+    at, row, column = (narrowed(index) for index in (matrix.locate(*metric), *metric))
+    return System(matrix, narrowed(matrix.locate(*bulk)), at, row, column, values)
 
 
 def _entries(problem: Problem) -> tuple[tuple[Index, Index], tuple[Index, Index], Array]:

@@ -105,6 +105,30 @@ class Crease(Landscape):
         )
 
 
+class Overhang(Landscape):
+    """A bowl that a force of contact bends downwards along x, until it has gone.
+
+    E = x^2 / 2 + y^2 / 2 + z^2 / 2 - force x + force / 2 cos(5 x) / 25, of which the last term is the curvature of gaps
+    """
+
+    has_multipliers = True
+    part = np.arange(3)
+    force = 10.0
+
+    def at(self, displacement: np.ndarray) -> Point:
+        x = displacement[0]
+        self.visited.append(displacement)
+        bent = self.force / 50 * np.cos(5 * x)
+        return Point(displacement, float(displacement @ displacement / 2 - self.force * x + bent))
+
+    def linearise(self, state: Point) -> Model:
+        x = state.displacement[0]
+        gradient = state.displacement - np.array([self.force + self.force / 10 * np.sin(5 * x), 0.0, 0.0])
+        one = (np.array([-self.force / 2 * np.cos(5 * x)]), (np.array([0]), np.array([0])))
+        curvature = sparse.coo_array(one, shape=(3, 3))
+        return replace(super().linearise(state), gradient=gradient, stiffness=np.ones(3), curvature=curvature)
+
+
 def descend(
     problem: Landscape,
     start: tuple,
@@ -239,3 +263,16 @@ def test_a_step_has_a_budget_of_factorisations_and_refusals():
     one.factorisations += 1
     with pytest.raises(OutOfIterations):
         budget.charge(other)
+
+
+def test_with_multipliers_a_model_that_gaps_bend_downwards_is_taken_without_their_curvature():
+    """At the start the model falls without end along x. Without the curvature a step goes as far as the bowl says."""
+    found = descend(Overhang(), (0.0, 1.0, 1.0), longest_step=1.0)
+    assert found.is_found
+    x = found.state.displacement[0]
+    assert abs(x - 10 - np.sin(5 * x)) < 1e-8
+    problem = Overhang()
+    minimiser = Minimiser(problem, 20.0, energy_scale=1.0)
+    minimiser.minimise(np.array([0.0, 1.0, 1.0]), NOWHERE, most=1)
+    assert minimiser.effort.refusals == 1
+    np.testing.assert_allclose(problem.visited[-1], [10.0, 0.0, 0.0], atol=1e-12)

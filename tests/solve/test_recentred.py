@@ -144,7 +144,7 @@ def test_meshes_that_lead_end_early_and_last_digits_are_found_where_they_are_rep
     begin = Minimum(Well().at(np.zeros(3)), Ending.CONVERGED, 1.0, ProximalTerm(0.0, np.zeros(3)))
     led = at_rest(minimiser, begin, path.scale, 1.0, options, 1e-3)
     assert options.refined < led.decrement <= 1e-3
-    found = path.finished(minimiser, led)
+    found = rested(minimiser, led, path)
     assert found.is_found and found.decrement <= options.refined
     spent = minimiser.effort.iterations
-    assert path.finished(minimiser, found) is found and minimiser.effort.iterations == spent
+    assert rested(minimiser, found, path).state is found.state and minimiser.effort.iterations == spent
