@@ -102,22 +102,29 @@ class Level(Generic[Scene]):
 
     def __init__(self, simulation: Scene) -> None:
         self.simulation = simulation
+        self._used: list[Minimiser] = []
 
     @cached_property
     def _released(self) -> Released:
-        return self.simulation.released
+        released = self.simulation.released
+        self._noted(released.minimisers)
+        return released
 
     @cached_property
     def _tied(self) -> tuple[Minimiser, ...]:
-        return self.simulation.tied
+        return self._noted(self.simulation.tied)
 
     @cached_property
     def _closing(self) -> tuple[Minimiser, ...]:
-        return self.simulation.closing
+        return self._noted(self.simulation.closing)
+
+    def _noted(self, minimisers: tuple[Minimiser, ...]) -> tuple[Minimiser, ...]:
+        self._used += minimisers
+        return minimisers
 
     def release(self) -> None:
         """Give the memory of all matrices back."""
-        for minimiser in (*self._tied, *self._closing, *self._released.minimisers):
+        for minimiser in self._used:
             minimiser.release_matrix()
 
     def _tied_at(self, displacement: Array, load: float) -> tuple[Minimisers, Minimisers]:

@@ -133,10 +133,11 @@ class Continuation:
                 minimum = replace(minimum, ending=Ending.NO_DESCENT)
             if minimum.is_found and is_end and options.sufficient:
                 minimum = recentred(minimiser, minimum.state.displacement, minimum.proximal.weight, options)
-                if minimum.is_found and options.only_leads:
-                    share = options.of_leading
-                    return at_rest(minimiser, minimum, self.scale, options.resting, options, share), None
-                return rested(minimiser, minimum, self), None
+                if not options.only_leads:
+                    return rested(minimiser, minimum, self), None
+                if minimum.is_found:
+                    minimum = at_rest(minimiser, minimum, self.scale, options.resting, options, options.of_leading)
+                return minimum, None
             if minimum.is_found and is_end:
                 most = 2 * enough.way - way if enough else None
                 minimum = until_conditions_hold(
@@ -179,13 +180,14 @@ def rested(minimiser: Minimiser, minimum: Minimum, path: Continuation, lowest: f
     no more than a certificate allows.
 
     As long as it is more, walls are followed on from there, until it is half of that, at first under the weight under
-    which last digits are found, then under smaller ones. It ends where the energy falls below `lowest`.
+    which last digits are found, then under smaller ones. It ends where the energy falls below `lowest`. Without an
+    accuracy no force is allowed, and the one that the path has left stays.
     """
     options, to_fall, firm = path.options, minimum.to_fall, path.scale * path.options.resting
     weight, is_last = options.resting, False
     while minimum.is_found:
         minimum = until_conditions_hold(minimiser, minimum, minimiser.longest_step, options)
-        if not minimum.is_found:
+        if not (minimum.is_found and options.sufficient):
             break
         pull = pull_on_bodies(minimiser, minimum, options.allowed) if weight > options.last else 0.0
         if pull > 1:
@@ -203,7 +205,8 @@ def rested(minimiser: Minimiser, minimum: Minimum, path: Continuation, lowest: f
         if minimum.proximal.weight < firm:
             minimum = at_rest(minimiser, minimum, path.scale, options.resting, options, options.refined, lowest)
         else:
-            minimum, _ = minimised(minimiser, minimum.state.displacement, minimum.proximal, 0.0, 0.0, enough)
+            place, name = minimum.state.displacement, minimum.proximal.weight / path.scale
+            minimum, _ = minimised(minimiser, place, minimum.proximal, 0.0, name, enough, lowest=lowest)
     return replace(minimum, to_fall=to_fall)
 
 

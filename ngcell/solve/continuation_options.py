@@ -30,10 +30,9 @@ class ContinuationOptions:
     refined, leading : float, float
         Decrement of the last minimisation as a share of the energy: 1e-12 left forces 2.9e-6 out of balance, and does
         not tell which cells nothing holds; and the share of what suffices whose square it is on meshes that only lead.
-    allowed, allowed_of_accuracy, nearly_allowed : float, float, float
-        Pull that is allowed in a result, as a share of the largest force on a body; that over the accuracy that is
-        asked for, nine tenths of what the certificate allows; and the multiple of it up to which another centre under
-        the same weight may do.
+    allowed, allowed_of_accuracy : float, float
+        Pull that is allowed in a result, as a share of the largest force on a body; and that over the accuracy that is
+        asked for, nine tenths of what the certificate allows.
     only_leads : bool
         Whether the end of the path only leads to equilibria on finer meshes.
     handover, handover_idle : float
@@ -85,7 +84,6 @@ class ContinuationOptions:
     leading: float = 0.02
     allowed: float = 0.0
     allowed_of_accuracy: float = 0.09
-    nearly_allowed: float = 2.0
     only_leads: bool = False
     handover: float = 3e-3
     handover_idle: float = 0.7

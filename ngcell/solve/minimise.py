@@ -4,7 +4,8 @@ Each iteration minimises the second-order model of the energy plus ``damping/2 |
 if the energy falls by a fair share of what the model foresaw; if not, or if the model is not convex along it, the
 damping is raised, in the bodies where the model fails (`ngcell.solve.damping`), and the model, still at hand, is
 minimised again. The damping falls with every good step and is exactly zero at the end, so it leaves no trace in the
-result (`ngcell.solve.newton` finds the steps).
+result (`ngcell.solve.newton` finds the steps). Where contact has multipliers, a model that is not convex is first taken
+without the curvature of gaps: walls that slide a long way then take half of the iterations.
 
 Near the minimum differences of energies drown in round-off. There the model alone is trusted.
 """

@@ -218,6 +218,14 @@ def test_where_there_is_no_room_for_a_finer_mesh_nothing_is_certified():
     assert failures(released) == ("estimated_error",)
 
 
+def test_no_matrix_of_a_finer_mesh_outlives_its_step():
+    scene = Simulation(ngcell.read_case("shear-empty-3x3", [*SMALL, "accuracy=0.1"]))
+    for step in scene.accepted_steps():
+        used = [minimiser for level in scene.refinement._levels for minimiser in level._used]
+        assert len(step.meshes) > 1 and used
+        assert not any(minimiser.assembly.has_system for minimiser in used)
+
+
 def test_bodies_are_refined_as_far_as_their_error_asks_for():
     """A ring in a ring that is too narrow, whose pressure is known."""
     scene = ngcell.read_case("press-fit")

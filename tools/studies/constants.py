@@ -77,7 +77,6 @@ WITHIN_ACCURACY: dict[str, tuple[float, ...]] = {
     "solver.continuation.sufficient_of_accuracy": (0.02, 0.1),
     "solver.continuation.felt_of_accuracy": (0.02, 0.1),
     "solver.continuation.allowed_of_accuracy": (0.03, 0.09),
-    "solver.continuation.nearly_allowed": (1.0, 4.0),
     "solver.continuation.idle": (0.8, 0.95),
     "solver.continuation.hardly_strained": (1e-6, 1e-4),
 }
