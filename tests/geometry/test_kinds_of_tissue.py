@@ -57,8 +57,9 @@ def test_a_run_is_made_again_if_it_had_less_time_only():
 
 
 def test_strategies_are_compared_where_both_have_an_energy():
-    key = dict(zip(("size", "tissue", "held", "load", "cells_are"), "abcde", strict=True)) | {"outcome": "certified"}
+    names = ("size", "tissue", "corners", "held", "load", "cells_are")
+    key = dict(zip(names, "abcdef", strict=True)) | {"outcome": "certified"}
     rows = [key | {"strategy": name, "energy": value} for name, value in (("sddp", "1.0"), ("single-step", "1.001"))]
     (line,) = differences(rows)
-    assert line[7] == "1.0e-03" and line[8] == "different equilibria, or errors of the mesh; 2 of 2 certified"
+    assert line[8] == "1.0e-03" and line[9] == "different equilibria, or errors of the mesh; 2 of 2 certified"
     assert not list(differences([*rows[:1], rows[1] | {"energy": ""}]))

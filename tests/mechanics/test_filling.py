@@ -17,6 +17,7 @@ from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.mechanics.symbolic import EnergyForm, SymbolicSum
+from ngcell.results.jacobian import smallest_jacobian
 from ngcell.scene import CellPressure, MeshChoice, Pressure, Tissue
 
 WALL, FILLING = MooneyRivlin(c1=1.0, c2=1.0, bulk_modulus=100.0), MooneyRivlin(c1=0.01, c2=0.0, bulk_modulus=100.0)
@@ -137,3 +138,20 @@ def test_the_pressure_in_a_lumen_is_that_of_its_law_whichever_parts_its_energy_h
     assert abs(expected) > 0.01
     found = InclusionEnergy(space, law).cell_fields(at, 1.0)["cell_pressure"]
     assert found == pytest.approx([expected], rel=1e-10)
+
+
+def test_a_filling_cannot_fold_at_a_corner_of_its_lumen():
+    lattice = hexagonal_lattice(1, 1, side=1.0, pointy=True)
+    bodies = ring_mesh(lattice.outlines, wall=0.1, radius=0.0, edges=2, layers=1, supports={}, filled=True)
+    space = DisplacementSpace(bodies, 2)
+    term = InclusionEnergy(space, FILLING)
+    points = np.array([vertex.point for vertex in space.mesh.vertices])
+    filling = [element for element in space.mesh.Elements() if element.mat == "filling"]
+    inside = np.unique([vertex.nr for element in filling for vertex in element.vertices])
+    farthest = inside[np.linalg.norm(points[inside], axis=1).argmax()]
+    at = np.zeros((2, space.size))
+    at[:, farthest] = -0.52 * points[farthest]
+    assert -0.1 < smallest_jacobian(space, at.ravel()).value < 0
+    state = space.configuration(at.ravel())
+    assert np.isnan(term.value(state))
+    assert np.isfinite(term.finer(1).value(state))  # as many Gauss points as the order takes

@@ -1,12 +1,13 @@
 """Kinds of tissue under the loads of the references: which runs are certified, what fails in others.
 
-    python -m tools.studies kinds [--small] [--held frame] [--strategy single-step] [--minutes 3] [--show]
+    python -m tools.studies kinds [--small] [--corners sharp] [--held frame] [--strategy single-step] [--minutes 3]
 
 Five tissues (Voronoi cells, bricks, a noisy honeycomb, polygons with pores and re-entrant cells, a label image with a
 pore) are sheared, stretched and compressed by a fifth; their cells are hollow, under pressure, filled, or hollow with
-bonds between walls: 60 runs at the default accuracy. Plates hold the lower and upper edge, or a frame all outer walls:
-then nothing reports a force. Bonds are followed by load stepping, whatever the strategy; their errors are not
-estimated. `--small` has tissues of a dozen cells, of which all runs take an hour.
+bonds between walls: 60 runs at the default accuracy. Corners of outer walls are sharp, or rounded by a radius of the
+wall's thickness, so that spaces are left between three cells, as in parenchyma. Plates hold the lower and upper edge,
+or a frame all outer walls: then nothing reports a force. Bonds are followed by load stepping, whatever the strategy;
+their errors are not estimated. `--small` has tissues of a dozen cells, of which all runs take an hour or two.
 
 A row a run goes to `tools/results/kinds.csv`, those without a result included; runs that are there are not repeated,
 but for those that ran out of a shorter time. Result folders are kept in `out/kinds`. `tools/results/kinds.md` shows
@@ -34,7 +35,7 @@ from tools.studies.kinds_of_tissue import SMALL, TISSUES, WALL
 
 TABLE, SHOWN = RESULTS / "kinds.csv", RESULTS / "kinds.md"
 FOLDERS = ROOT / "out" / "kinds"
-KEYS = ("size", "tissue", "held", "load", "cells_are", "strategy")
+KEYS = ("size", "tissue", "corners", "held", "load", "cells_are", "strategy")
 COLUMNS = (
     *KEYS, "outcome", "reason", "energy", "energy_error", "plate_force", "plate_force_error", "mean_gap",
     "mean_gap_error", "cells", "loose", "unknowns", "meshes", "iterations", "seconds", "minutes", "code",
@@ -48,6 +49,8 @@ _LEVELS_OF_BONDS = 10
 #: Energies of both strategies that differ by less, as a share, are one equilibrium.
 _SAME = 1e-4
 LOADS = ("sheared", "stretched", "compressed")
+#: Radius of corners of 120° of outer walls [length].
+CORNERS = {"rounded": WALL, "sharp": 0.0}
 HELD = ("plates", "frame")
 STRATEGIES = ("sddp", "single-step")
 #: What cells are, as entries of a case: pressure, solid and bonds are as in the shipped cases of the sheared honeycomb.
@@ -63,7 +66,7 @@ CELLS: dict[str, dict[str, Any]] = {
     "bonded": {"cohesion": {"strength": 0.05, "energy": 0.0015}, "strategy": {"kind": "load-stepping"}},
 }
 
-Key = tuple[str, str, str, str, str, str]
+Key = tuple[str, str, str, str, str, str, str]
 
 
 def load(held: str, name: str, height: float) -> dict[str, Any]:
@@ -78,11 +81,12 @@ def load(held: str, name: str, height: float) -> dict[str, Any]:
 
 def case(key: Key, folder: Path) -> dict[str, Any]:
     """Return the case of a run, its files in a folder."""
-    size, tissue, held, name, cells, strategy = key
+    size, tissue, corners, held, name, cells, strategy = key
+    shape = {"wall": WALL, "corner_radius": CORNERS[corners]}
     entries: dict[str, Any] = {
         "title": f"{tissue}, {cells}, {name}",
         "accuracy": 0.01,
-        "tissue": {"wall": WALL, **(SMALL if size == "small" else TISSUES)[tissue](folder)},
+        "tissue": {**shape, **(SMALL if size == "small" else TISSUES)[tissue](folder)},
         "material": {"kind": "mooney-rivlin", "c1": 1.0, "c2": 1.0, "bulk_modulus": 100.0},
         "load": {"kind": "plates", "stretch": 1.0, "levels": 1},
         "strategy": {"kind": strategy},
@@ -201,7 +205,7 @@ def chosen(options: Mapping[str, Any]) -> Iterator[Key]:
     every = product(options["tissue"] or TISSUES, options["load"] or LOADS, options["cells_are"] or CELLS)
     for tissue, name, cells in every:
         strategy = "load-stepping" if cells == "bonded" else options["strategy"]
-        yield size, tissue, options["held"], name, cells, strategy
+        yield size, tissue, options["corners"], options["held"], name, cells, strategy
 
 
 @described(__doc__)
@@ -209,6 +213,7 @@ def chosen(options: Mapping[str, Any]) -> Iterator[Key]:
 @click.option("--tissue", multiple=True, type=click.Choice([*TISSUES]), help="Only these.")
 @click.option("--load", multiple=True, type=click.Choice(LOADS), help="Only these.")
 @click.option("--cells", "cells_are", multiple=True, type=click.Choice([*CELLS]), help="Only these.")
+@click.option("--corners", default="rounded", show_default=True, type=click.Choice([*CORNERS]))
 @click.option("--held", default="plates", show_default=True, type=click.Choice(HELD))
 @click.option("--strategy", default="sddp", show_default=True, type=click.Choice(STRATEGIES))
 @click.option("--minutes", default=3.0, show_default=True, help="Longest time of a run.")

@@ -12,10 +12,11 @@ import ngsolve
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.surface.polynomials import Lagrange, lobatto
+from ngcell.contact.surface.polynomials import Lagrange
 from ngcell.contact.surface.sampling import measured, sampled
 from ngcell.contact.surface.surface import Surface, SurfacePoints
 from ngcell.geometry.bodies import BodyMesh
+from ngcell.mechanics.lobatto import lobatto
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -82,6 +83,7 @@ def find_edges(bodies: BodyMesh, scalar_space: ngsolve.H1, rest: Array) -> EdgeS
     dofs, nodal = sampled(scalar_space, elements, basis)
     behind = np.array([mesh[element.edges[0]].elements[0].nr for element in elements], dtype=np.int64)
     nodes = np.einsum("eij,dej->eid", nodal, rest[:, dofs])
+    # The tip of a sharp corner presses first and deepest; between Gauss points it would sink into the wall opposite.
     quadrature_points, share = lobatto(basis.order + 2)
     speed = np.linalg.norm(np.einsum("pi,eid->epd", basis.values(quadrature_points, 1), nodes), axis=2)
     length = (share * speed).sum(1)

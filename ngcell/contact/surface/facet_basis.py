@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.surface.polynomials import lobatto
+from ngcell.mechanics.lobatto import lobatto
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

@@ -51,15 +51,3 @@ class Lagrange:
         for power in range(1, len(factors)):
             np.multiply(powers[..., power - 1], xi, out=powers[..., power])
         return powers @ factors
-
-
-def lobatto(count: int) -> tuple[Array, Array]:
-    """Return points and weights of the Gauss-Lobatto rule on [0, 1], exact to degree ``2 count - 3``.
-
-    It has the ends of the edge among its points: the tip of a sharp corner, which presses first and deepest, would lie
-    between the points of a Gauss rule and sink into the wall opposite unseen.
-    """
-    last = np.polynomial.legendre.Legendre.basis(count - 1)
-    points = np.concatenate([[-1.0], np.sort(last.deriv().roots().real), [1.0]])
-    weights = 2 / (count * (count - 1) * last(points) ** 2)
-    return (points + 1) / 2, weights / 2
