@@ -146,7 +146,7 @@ def test_a_filling_cannot_fold_at_a_corner_of_its_lumen():
     space = DisplacementSpace(bodies, 2)
     term = InclusionEnergy(space, FILLING)
     points = np.array([vertex.point for vertex in space.mesh.vertices])
-    filling = [element for element in space.mesh.Elements() if element.mat == "filling"]
+    filling = [element for element in bodies.mesh.Elements() if element.mat == "filling"]
     inside = np.unique([vertex.nr for element in filling for vertex in element.vertices])
     farthest = inside[np.linalg.norm(points[inside], axis=1).argmax()]
     at = np.zeros((2, space.size))
