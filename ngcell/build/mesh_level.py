@@ -24,7 +24,7 @@ from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Minimum
 from ngcell.solve.refined import has_contact, settled, stable
 from ngcell.solve.released import Released
-from ngcell.solve.step import Accepted, spent
+from ngcell.solve.step import Accepted, StepFailed, spent
 
 Minimisers = Sequence[Minimiser]
 
@@ -164,7 +164,8 @@ class Level(Generic[Scene]):
                 length, options = self._released.longest_step, mine.options.solver
                 minimum = settled(last, start, softer=softer, length=length, options=options, path=path, share=share)
             except OutOfIterations:
-                return None
+                accepted = replace(accepted, effort=accepted.effort + (spent((*softer, *last)) - effort))
+                break
             accepted = replace(accepted, effort=accepted.effort + (spent((*softer, *last)) - effort))
             if minimum.is_found:
                 accepted = replace(accepted, minimum=minimum)
@@ -172,7 +173,29 @@ class Level(Generic[Scene]):
                 step = replace(coarse, level=coarse.level + 1, simulation=mine, problem=problem, accepted=accepted)
                 return replace(step, errors=Errors(), only_leads=only_leads)
             _log.info("mesh %d: %s", coarse.level + 1, minimum.ending.value)
-        return None
+        return self._anew(replace(coarse, accepted=accepted))
+
+    def _anew(self, coarse: Refined[Scene]) -> Refined[Scene] | None:
+        """Return a step that nothing was found beside, by the whole path on this mesh; None where there is none.
+
+        A coarse mesh can hold walls in a state that no finer one has. The path depends on the load alone, where that
+        has a lifting; it is dear, and followed on the second mesh only, which later ones go on from.
+        """
+        mine, before = self.simulation, coarse.accepted
+        if before.phase == "tied" or coarse.level or self.has_multipliers or not mine.motion.has_lifting:
+            return None
+        _log.info("mesh %d: nothing was found beside the coarser mesh; the whole path is followed", coarse.level + 1)
+        load = before.load_factor
+        centre = mine.motion.lifting(load)
+        mine.renew_budget()
+        self._released.problem.reset()
+        try:
+            step = self._released.step(centre, centre, load)
+        except (OutOfIterations, StepFailed):
+            return None
+        accepted = replace(step, effort=before.effort + step.effort)
+        problem = mine.problem_of(before.phase)
+        return Refined(coarse.level + 1, mine, problem, accepted, Errors(), coarse.is_judged)
 
     def finished(self, led: Refined[Scene], *, may_slide: bool = True) -> Refined[Scene] | None:
         """Return a step on this mesh at rest, by the contact that is meant; None where it finds no equilibrium.

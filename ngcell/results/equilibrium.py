@@ -138,7 +138,7 @@ def numbers_of(setup: Setup, problem: Problem, state: State, proximal: Held, to_
         mean_gap=mean,
         largest_gap=largest,
         scales=(scales.energy, force, ONSET * _thinnest(setup, problem)),
-        besides=overlap_work + proximal_energy + quadrature_error(problem.terms, state.at) + to_fall,
+        besides=overlap_work + proximal_energy + quadrature_error(problem.terms, state.at) + max(to_fall, 0.0),
         overlap=overlap_work / max(float(balance.forces.normal.sum()), force * _NO_FORCE),
         gaps=gaps_of_pairs(setup.facing, balance.gap, balance.free_bodies),
         utilisation=0.0 if setup.strength is None else setup.strength.utilisation(problem.terms, displacement).largest,

@@ -30,7 +30,8 @@ ADVICE = {
     "energy_above_tied": "the walls found a worse state than the tied one: ask for more levels (load.levels)",
     "tension": "raise contact.stiffness, or refine the mesh (mesh.size)",
     "complementarity": "raise contact.stiffness, or refine the mesh (mesh.size)",
-    "estimated_error": "ask for a larger accuracy, leave mesh.order and mesh.size out, or use more memory",
+    "estimated_error": "ask for a larger accuracy, leave mesh.order and mesh.size out, round corners of cells "
+    "(tissue.corner_radius), or use more memory",
     "energy_balance": "ask for more levels (load.levels)",
 }
 

@@ -145,8 +145,9 @@ def test_a_filling_cannot_fold_at_a_corner_of_its_lumen():
     bodies = ring_mesh(lattice.outlines, wall=0.1, radius=0.0, edges=2, layers=1, supports={}, filled=True)
     space = DisplacementSpace(bodies, 2)
     term = InclusionEnergy(space, FILLING)
-    points = np.array([vertex.point for vertex in space.mesh.vertices])
-    filling = [element for element in bodies.mesh.Elements() if element.mat == "filling"]
+    points = np.array([vertex.point for vertex in bodies.mesh.vertices])
+    elements = list(bodies.mesh.Elements())
+    filling = [element for element in elements if element.mat == "filling"]
     inside = np.unique([vertex.nr for element in filling for vertex in element.vertices])
     farthest = inside[np.linalg.norm(points[inside], axis=1).argmax()]
     at = np.zeros((2, space.size))

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import ngcell
-from ngcell.build import refinement
+from ngcell.build import mesh_level, refinement
 from ngcell.build.options import Options
 from ngcell.build.reported import Step
 from ngcell.build.simulation import Simulation
@@ -26,6 +26,8 @@ from ngcell.results.finding import compare
 from ngcell.results.quantities import View
 from ngcell.scene import Expected
 from ngcell.solve.continuation_options import ContinuationOptions
+from ngcell.solve.effort import OutOfIterations
+from ngcell.solve.minimum import Minimum
 from ngcell.solve.options import SolverOptions
 
 SMALL = ("tissue.rows=2", "tissue.cols=2", "load.displacement=[0.3, 0.0]", "load.levels=1")
@@ -216,6 +218,26 @@ def test_where_there_is_no_room_for_a_finer_mesh_nothing_is_certified():
     tied, released = simulation.accepted_steps()
     assert isnan(released.record.energy_error)
     assert failures(released) == ("estimated_error",)
+
+
+def test_where_nothing_is_found_beside_the_coarse_mesh_the_path_is_followed_on_the_next_one(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    usual, refused = mesh_level.settled, []
+
+    def refusing_once(*given: Any, **named: Any) -> Minimum:
+        if named["path"] is not None and not refused:
+            refused.append(given)
+            raise OutOfIterations
+        return usual(*given, **named)
+
+    *_, beside = steps("accuracy=0.1")
+    monkeypatch.setattr(mesh_level, "settled", refusing_once)
+    *_, anew = ngcell.simulate(ngcell.read_case("shear-empty-3x3", [*SMALL, "accuracy=0.1"]))
+    assert refused and anew.record.certified
+    assert anew.record.iterations > 1.3 * beside.record.iterations
+    assert abs(anew.record.energy - beside.record.energy) <= anew.record.energy_error
+    assert abs(anew.record.mean_gap - beside.record.mean_gap) <= anew.record.mean_gap_error
 
 
 def test_no_matrix_of_a_finer_mesh_outlives_its_step():
