@@ -164,13 +164,16 @@ class Released:
     def handed_over(self, led: Minimum, before: Problem, *, may_slide: bool = True) -> Minimum:
         """Return the equilibrium by the contact that is meant, beside one of the problem `before`, which leads to it.
 
-        Where walls slide away from there, `before` leads on from where they have come to, if they may.
+        Where walls slide away from there, `before` leads on from where they have come to, if they may. Where it comes
+        back to where it was, they have not slid: what falls is the difference of the methods, as on coarse meshes.
         """
         leads, last = self.minimisers[-2:]
-        options = self.path.options
+        options, led_before = self.path.options, np.inf
         for _ in range(options.most_leads):
-            slid = options.slid * options.sufficient * leads.problem.magnitude(led.state) or np.inf
-            lowest = led.state.energy - slid
+            sufficient = options.sufficient * leads.problem.magnitude(led.state)
+            is_back = led.state.energy > led_before - sufficient
+            lowest = -np.inf if is_back else led.state.energy - (options.slid * sufficient or np.inf)
+            led_before = led.state.energy
             minimum = self._taken_over(led, before, lowest)
             if minimum.is_found and minimum.proximal.weight:
                 minimum = rested(last, minimum, self.path, lowest)
