@@ -3,8 +3,8 @@
 The entries of the matrix decide, those of closed walls left out: its factor has about four times as many. Measured on
 63 000 unknowns (order 2, in three dimensions, 4.4 million entries), released from a tied solid: 2.6 GiB by the direct
 solver, 2.2 by the iterative one, and 1.5 without a tied solid; 214 200 unknowns (16.8 million entries) took the
-iterative one 5.7 GiB without one. A planar entry takes less, as factors of planar matrices grow more slowly: 100 cells
-of order 6 (69.9 million entries), with the five coarser meshes that led there, took 22.3 GiB.
+iterative one 5.7 GiB without one. A planar entry takes less, as factors of planar matrices grow more slowly: 35 cells
+of order 6 (23.6 million entries), with the five coarser meshes that led there, took 6.7 GiB.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from ngcell.solve.minimise import Minimiser
 
 #: Memory for each entry [byte], of the direct solver in each dimension and of the iterative one, and of a run of hardly
 #: any [GiB].
-_FOR_AN_ENTRY = {("direct", 2): 340, ("direct", 3): 573, ("iterative", 3): 480}
+_FOR_AN_ENTRY = {("direct", 2): 310, ("direct", 3): 573, ("iterative", 3): 480}
 _AT_LEAST = 0.25
 
 
