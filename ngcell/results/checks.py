@@ -8,6 +8,7 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 
 from ngcell.contact.surface.edges import EdgeSurface
 from ngcell.contact.surface.surface import Surface
@@ -226,17 +227,23 @@ def _residual(problem: Problem, state: State, nodal: NodalForces, scales: Scales
 
 
 def _last_digits(problem: Problem, state: State) -> Array:
-    """Return the forces that the last digits of positions stand for: ``eps |K| |x|``, K with closed constraints."""
-    line = problem.linearise(state)
+    """Return the forces that the last digits of positions stand for: ``eps |K| |x|``, K with constraints that are closed,
+    or open by no more than round-off.
+
+    A gap is a sum over nodes: n terms of it are off by up to n eps times the sum of their magnitudes (Higham, Accuracy
+    and Stability of Numerical Algorithms, 2002, section 3.1, doi:10.1137/1.9780898718027).
+    """
+    eps, line = np.finfo(float).eps, problem.linearise(state)
     place = np.abs(state.positions).ravel()
     row, column = problem.pattern
     stiffness = np.abs(line.stiffness)
     force = np.bincount(row, stiffness * place[column], len(place))
     off = row != column
     force += np.bincount(column[off], (stiffness * place[row])[off], len(place))
-    slopes = abs(line.jacobian)
-    force += slopes.T @ (line.penalty * (line.gap < 0) * (slopes @ place))
-    return np.asarray(np.finfo(float).eps * force)
+    slopes = abs(sparse.csr_array(line.jacobian))
+    digits = np.diff(slopes.indptr) * (slopes @ place)
+    force += slopes.T @ (line.penalty * (line.gap < eps * digits) * digits)
+    return np.asarray(eps * force)
 
 
 def _penetration(problem: Problem, walls: Surface, state: State) -> float:
