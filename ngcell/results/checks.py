@@ -227,8 +227,9 @@ def _residual(problem: Problem, state: State, nodal: NodalForces, scales: Scales
 
 
 def _last_digits(problem: Problem, state: State) -> Array:
-    """Return the forces that the last digits of positions stand for: ``eps |K| |x|``, K with constraints that are closed,
-    or open by no more than round-off.
+    """Return the forces that the last digits of positions stand for: ``eps |K| |x|``.
+
+    K has the constraints that are closed, or open by no more than round-off.
 
     A gap is a sum over nodes: n terms of it are off by up to n eps times the sum of their magnitudes (Higham, Accuracy
     and Stability of Numerical Algorithms, 2002, section 3.1, doi:10.1137/1.9780898718027).
