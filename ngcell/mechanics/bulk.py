@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ngcell.geometry.bodies import FILLING
 from ngcell.mechanics.laws.law import HyperelasticLaw, in_three_dimensions
-from ngcell.mechanics.lobatto import lobatto_on_quadrilaterals
+from ngcell.mechanics.lobatto import lobatto_across
 from ngcell.mechanics.mixed import can_be_mixed, is_incompressible, reduced_measure
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.symbolic import Integrals, SymbolicTerm
@@ -121,7 +121,7 @@ class BodyEnergy(SymbolicTerm):
 class InclusionEnergy(SymbolicTerm):
     """Stored energy of what fills the lumens.
 
-    The isochoric part of quadrilaterals is integrated by a Gauss-Lobatto rule as exact as the usual Gauss rule. What is
+    The isochoric part is integrated by Gauss-Lobatto rules across a cell, as exact as the usual Gauss rules. What is
     soft and keeps its volume on average would fold in a sharp corner of the lumen, where Gauss points see nothing; at
     the corner's own point its energy grows without bounds.
 
@@ -150,9 +150,7 @@ class InclusionEnergy(SymbolicTerm):
         region = self.space.mesh.Materials(FILLING)
         if self._extra:
             return ngsolve.dx(definedon=region, bonus_intorder=self._extra)
-        return ngsolve.dx(
-            definedon=region, intrules={ngsolve.ET.QUAD: lobatto_on_quadrilaterals(self.space.order + 2)}
-        )
+        return ngsolve.dx(definedon=region, intrules=lobatto_across(self.space.order))
 
     def finer(self, extra_degrees: int) -> InclusionEnergy:
         """Return the energy with its isochoric part by a rule of higher order.

@@ -17,8 +17,19 @@ def lobatto(count: int) -> tuple[Array, Array]:
     return (points + 1) / 2, weights / 2
 
 
-def lobatto_on_quadrilaterals(count: int) -> ngsolve.IntegrationRule:
-    """Return the product of two such rules on the reference quadrilateral, `count` points in each direction."""
-    points, weights = lobatto(count)
-    grid = [(float(x), float(y)) for x in points for y in points]
-    return ngsolve.IntegrationRule(points=grid, weights=np.outer(weights, weights).ravel().tolist())
+def lobatto_across(order: int) -> dict[ngsolve.ET, ngsolve.IntegrationRule]:
+    """Return rules as exact as Gauss rules of order + 1 points, with the corners of cross-sections among their points.
+
+    On quadrilaterals that is a product of Gauss-Lobatto rules; on hexahedra their product with the Gauss rule along the
+    """Return rules as exact as Gauss rules of order + 1 points, with the corners of cross-sections among the points.
+    """
+    points, weights = lobatto(order + 2)
+    across = [(float(x), float(y)) for x in points for y in points]
+    of_across = np.outer(weights, weights).ravel()
+    gauss = ngsolve.IntegrationRule(ngsolve.ET.SEGM, 2 * order)
+    solid = [(x, y, place[0]) for x, y in across for place in gauss.points]
+    of_solid = np.outer(of_across, gauss.weights).ravel()
+    return {
+        ngsolve.ET.QUAD: ngsolve.IntegrationRule(points=across, weights=of_across.tolist()),
+        ngsolve.ET.HEX: ngsolve.IntegrationRule(points=solid, weights=of_solid.tolist()),
+    }

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import ngsolve
 import numpy as np
 import pytest
 
-from ngcell.mechanics.lobatto import lobatto, lobatto_on_quadrilaterals
+from ngcell.mechanics.lobatto import lobatto, lobatto_across
 
 
 @pytest.mark.parametrize("count", [2, 3, 5])
@@ -17,9 +18,11 @@ def test_polynomials_are_integrated_exactly_up_to_the_degree_told_and_no_further
     assert abs(weights @ points ** (2 * count - 2) - 1 / (2 * count - 1)) > 1e-8
 
 
-def test_the_rule_on_quadrilaterals_has_their_corners_and_is_as_exact_in_each_direction():
-    rule = lobatto_on_quadrilaterals(4)
-    points, weights = np.array(rule.points)[:, :2], np.array(rule.weights)
+def test_rules_across_have_the_corners_and_are_exact_in_each_direction():
+    rules = lobatto_across(2)
+    points, weights = np.array(rules[ngsolve.ET.QUAD].points)[:, :2], np.array(rules[ngsolve.ET.QUAD].weights)
     assert {(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)} <= {(float(x), float(y)) for x, y in points}
     x, y = points.T
     assert weights @ (x**5 * y**4) == pytest.approx(1 / 30, rel=1e-13)
+    x, y, z = np.array(rules[ngsolve.ET.HEX].points).T
+    assert rules[ngsolve.ET.HEX].weights @ (x**5 * y**4 * z**5) == pytest.approx(1 / 180, rel=1e-13)
