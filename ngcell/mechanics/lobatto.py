@@ -20,8 +20,8 @@ def lobatto(count: int) -> tuple[Array, Array]:
 def lobatto_across(order: int) -> dict[ngsolve.ET, ngsolve.IntegrationRule]:
     """Return rules as exact as Gauss rules of order + 1 points, with the corners of cross-sections among their points.
 
-    On quadrilaterals that is a product of Gauss-Lobatto rules; on hexahedra their product with the Gauss rule along the
-    """Return rules as exact as Gauss rules of order + 1 points, with the corners of cross-sections among the points.
+    On quadrilaterals that is a product of Gauss-Lobatto rules, on hexahedra their product with the Gauss rule along the
+    third coordinate. That is the axis of prisms: one that is held along it is integrated as the planar cell is.
     """
     points, weights = lobatto(order + 2)
     across = [(float(x), float(y)) for x in points for y in points]
