@@ -179,10 +179,12 @@ class Level(Generic[Scene]):
         """Return a step that nothing was found beside, by the whole path on this mesh; None where there is none.
 
         A coarse mesh can hold walls in a state that no finer one has. The path depends on the load alone, where that
-        has a lifting; it is dear, and followed on the second mesh only, which later ones go on from.
+        has a lifting, and the step neither follows the one before nor has a history; it is dear, and followed on the
+        second mesh only, which later ones go on from.
         """
         mine, before = self.simulation, coarse.accepted
-        if before.phase == "tied" or coarse.level or self.has_multipliers or not mine.motion.has_lifting:
+        follows = before.follows or before.account is not None or not mine.motion.has_lifting
+        if before.phase == "tied" or follows or coarse.level or self.has_multipliers:
             return None
         _log.info("mesh %d: nothing was found beside the coarser mesh; the whole path is followed", coarse.level + 1)
         load = before.load_factor
