@@ -107,7 +107,7 @@ class Level(Generic[Scene]):
     @cached_property
     def _released(self) -> Released:
         released = self.simulation.released
-        self._noted(released.minimisers)
+        self._noted((released.apart, *released.minimisers))
         return released
 
     @cached_property
