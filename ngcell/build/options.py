@@ -11,7 +11,7 @@ from ngcell.solve.options import SolverOptions
 #: still find a way down at corners.
 _STIFF, _ASKED, _STIFFEST = 100.0, 0.01, 1e3
 #: Length by which conditions that multipliers enforce may be missed, as a share of the accuracy.
-_MISSED = 1e-8
+_MISSED = 1e-6
 
 
 @dataclass(frozen=True)

@@ -159,13 +159,6 @@ class Continuation:
             weight = max(weight / 10**decades, milestone)
         return minimum, enough
 
-    def handing_over(self) -> Continuation:
-        """Return the continuation by which multipliers take over from a penalty: walls are held so that they stay at
-        its equilibrium, or slide on in small steps."""
-        mine = self.options
-        weights = replace(mine, recentred=mine.handover, resting=max(mine.handover, mine.resting), last=mine.recentred)
-        return replace(self, options=replace(weights, idle_at_last=mine.handover_idle))
-
     def last_proximal(self, centre: Array) -> ProximalTerm:
         """Return the proximal term at the path's end, however far that goes."""
         return self._proximal(self.options.last, centre)
@@ -180,22 +173,26 @@ def rested(minimiser: Minimiser, minimum: Minimum, path: Continuation, lowest: f
     no more than a certificate allows.
 
     As long as it is more, walls are followed on from there, until it is half of that, at first under the weight under
-    which last digits are found, then under smaller ones. It ends where the energy falls below `lowest`. Without an
-    accuracy no force is allowed, and the one that the path has left stays.
+    which last digits are found, then under smaller ones. Conditions are met once walls need not be followed, and walls
+    go on if they slide as that is done. It ends where the energy falls below `lowest`. Without an accuracy no force is
+    allowed, and the one that the path has left stays.
     """
     options, to_fall, firm = path.options, minimum.to_fall, path.scale * path.options.resting
+    share = options.before_multipliers if minimiser.problem.has_multipliers else options.of_leading
     weight, is_last = options.resting, False
     while minimum.is_found:
-        minimum = until_conditions_hold(minimiser, minimum, minimiser.longest_step, options)
-        if not (minimum.is_found and options.sufficient):
-            break
-        pull = pull_on_bodies(minimiser, minimum, options.allowed) if weight > options.last else 0.0
+        pull = _pull(minimiser, minimum, weight, options)
+        if pull <= 1:
+            minimum = until_conditions_hold(minimiser, minimum, minimiser.longest_step, options)
+            if not (minimum.is_found and options.sufficient):
+                break
+            pull = _pull(minimiser, minimum, weight, options)
         if pull > 1:
             _log.info("the proximal force is %.2g times what is allowed", pull)
             following = replace(options, recentred=weight, felt=options.allowed / 2)
             minimum = recentred(minimiser, minimum.state.displacement, path.scale * weight, following, lowest)
             if minimum.is_found:
-                minimum = at_rest(minimiser, minimum, path.scale, options.resting, options, options.of_leading, lowest)
+                minimum = at_rest(minimiser, minimum, path.scale, options.resting, options, share, lowest)
             weight, is_last = max(weight / 10, options.last), False
             continue
         enough = options.refined * minimiser.problem.magnitude(minimum.state)
@@ -208,6 +205,13 @@ def rested(minimiser: Minimiser, minimum: Minimum, path: Continuation, lowest: f
             place, name = minimum.state.displacement, minimum.proximal.weight / path.scale
             minimum, _ = minimised(minimiser, place, minimum.proximal, 0.0, name, enough, lowest=lowest)
     return replace(minimum, to_fall=to_fall)
+
+
+def _pull(minimiser: Minimiser, minimum: Minimum, weight: float, options: ContinuationOptions) -> float:
+    """Return the proximal force over what is allowed; 0 where walls are not followed on, or under no smaller weight."""
+    if not options.sufficient or weight <= options.last:
+        return 0.0
+    return pull_on_bodies(minimiser, minimum, options.allowed)
 
 
 def until_conditions_hold(

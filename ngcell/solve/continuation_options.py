@@ -27,9 +27,10 @@ class ContinuationOptions:
         Weight at which the proximal term begins to hold bodies where they are; that under which last digits are found,
         which is no less; the most centres; the share of a fall above which the next one is slow, and the weight is
         lowered; and that share once falls suffice and only the pull is felt.
-    refined, leading : float, float
+    refined, leading, unmet : float, float, float
         Decrement of the last minimisation as a share of the energy: 1e-12 left forces 2.9e-6 out of balance, and does
-        not tell which cells nothing holds; and the share of what suffices whose square it is on meshes that only lead.
+        not tell which cells nothing holds; and the shares of what suffices whose square it is on meshes that only lead,
+        and before multipliers are updated to the end: with a decrement fifty times as large walls slide during updates.
     allowed, allowed_of_accuracy : float, float
         Pull that is allowed in a result, as a share of the largest force on a body; and that over the accuracy that is
         asked for, nine tenths of what the certificate allows.
@@ -82,6 +83,7 @@ class ContinuationOptions:
     idle_at_last: float = 0.9
     refined: float = 1e-16
     leading: float = 0.02
+    unmet: float = 0.2
     allowed: float = 0.0
     allowed_of_accuracy: float = 0.09
     only_leads: bool = False
@@ -100,7 +102,7 @@ class ContinuationOptions:
     update: float = 0.1
     condition: float = 1e-12
     most_updates: int = 40
-    foreseen: float = 1e-5
+    foreseen: float = 1e-3
     cycling: int = 200
     slow: float = 0.1
     nothing: float = 1e-11
@@ -114,9 +116,21 @@ class ContinuationOptions:
         return replace(self, felt=felt, allowed=allowed, sufficient=sufficient, resting=resting)
 
     @property
+    def handing_over(self) -> ContinuationOptions:
+        """The numbers with which multipliers take over from a penalty: walls are held so that they stay at its
+        equilibrium, or slide on in small steps."""
+        weights = replace(self, recentred=self.handover, resting=max(self.handover, self.resting), last=self.recentred)
+        return replace(weights, idle_at_last=self.handover_idle)
+
+    @property
     def of_leading(self) -> float:
         """Decrement of the last minimisation on a mesh that only leads to finer ones, as a share of the energy."""
         return max((self.leading * self.sufficient) ** 2, self.refined)
+
+    @property
+    def before_multipliers(self) -> float:
+        """Decrement of a minimisation before multipliers are updated to the end, as a share of the energy."""
+        return max((self.unmet * self.sufficient) ** 2, self.refined)
 
     @property
     def end(self) -> float:

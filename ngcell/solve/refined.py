@@ -28,7 +28,6 @@ def settled(
     length: float,
     options: SolverOptions,
     path: Continuation | None = None,
-    lowest: float = -np.inf,
     share: float | None = None,
 ) -> Minimum:
     """Return the minimum near a state that was found on a coarser mesh, as sure as its energy is asked for.
@@ -51,8 +50,6 @@ def settled(
         The solver's own numbers.
     path : Continuation, optional
         The continuation on this mesh, if bodies may float: the proximal term then holds them where they are.
-    lowest : float
-        Energy below which walls that may float have slid away, and no equilibrium is found [energy].
     share : float, optional
         Decrement of the last minimisation, as a share of the energy; by default that of what is reported.
     """
@@ -73,9 +70,9 @@ def settled(
             held = ProximalTerm(weight, start)
             minimum = minimiser.minimise(start, held, share * _magnitude(minimiser, start))
         else:
-            minimum = recentred(minimiser, start, weight, path.options, lowest)
+            minimum = recentred(minimiser, start, weight, path.options)
             if minimum.is_found:
-                minimum = at_rest(minimiser, minimum, path.scale, path.options.resting, path.options, share, lowest)
+                minimum = at_rest(minimiser, minimum, path.scale, path.options.resting, path.options, share)
         if not minimum.is_found:
             return minimum
         start, before = minimum.state.displacement, minimiser

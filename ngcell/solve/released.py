@@ -16,6 +16,7 @@ from ngcell.solve.options import SolverOptions
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.problem import Problem
 from ngcell.solve.proximal import ProximalTerm
+from ngcell.solve.recentred import at_rest, recentred
 from ngcell.solve.refined import settled, stable
 from ngcell.solve.step import Accepted, StepFailed, spent
 
@@ -194,8 +195,15 @@ class Released:
         last.adopt_matrix(self.minimisers[-2])
         last.forget_matrix()
         last.problem.start_from(before, led.state)
-        path, start = self.path.handing_over() if led.proximal.weight else None, led.state.displacement
-        return settled((last,), start, length=self.longest_step, options=self.options, path=path, lowest=lowest)
+        start = led.state.displacement
+        if not led.proximal.weight:
+            return settled((last,), start, length=self.longest_step, options=self.options)
+        handing, scale = self.path.options.handing_over, self.path.scale
+        minimum = recentred(last, start, scale * handing.recentred, handing, lowest)
+        if minimum.is_found:
+            share = handing.before_multipliers
+            minimum = at_rest(last, minimum, scale, handing.resting, handing, share, lowest)
+        return minimum
 
     def _alone(self, start: Array, proximal: ProximalTerm) -> Minimum | None:
         """Return the minimum of a body that is alone; None if there are more, or if none was found."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from ngcell.solve.continuation import Continuation, rested
+from ngcell.solve.continuation import Continuation, rested, until_conditions_hold
 from ngcell.solve.continuation_options import ContinuationOptions
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Ending, Minimum
@@ -25,6 +25,7 @@ class Bowl(Landscape):
 
     curvature: float = 0.1
     stored: float = 0.0
+    has_multipliers: bool = False
 
     def at(self, displacement: np.ndarray) -> Point:
         self.visited.append(displacement)
@@ -96,6 +97,23 @@ def test_last_digits_are_found_under_a_firm_hold_and_the_pull_that_is_left_is_ta
     assert free.is_found
     assert pull_on_bodies(minimiser, free, options.allowed) <= 1
     assert free.state.displacement[0] == pytest.approx(FAR, rel=0.05)
+
+
+def test_conditions_are_met_once_the_pull_that_is_left_is_taken_away(monkeypatch):
+    """Where walls go on, multipliers that were updated to the end would be so for nothing."""
+    options = ContinuationOptions(felt=1.0, sufficient=1.0, recentred=0.1, resting=10.0, allowed=1e-3)
+    minimiser, path = Minimiser(Bowl(has_multipliers=True), 1.0, energy_scale=1.0), Continuation(1.0, options)
+    begin = recentred(minimiser, np.zeros(3), 1e6, options)
+    firm = at_rest(minimiser, begin, path.scale, options.resting, options, 1e-12)
+    pulls = []
+
+    def noted(minimiser, minimum, *rest, **more):
+        pulls.append(pull_on_bodies(minimiser, minimum, options.allowed))
+        return until_conditions_hold(minimiser, minimum, *rest, **more)
+
+    monkeypatch.setattr("ngcell.solve.continuation.until_conditions_hold", noted)
+    assert rested(minimiser, firm, path).is_found
+    assert pulls and max(pulls) <= 1
 
 
 def test_the_pull_on_all_bodies_is_felt_beside_what_goes_through_the_supports():
