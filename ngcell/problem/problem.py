@@ -22,6 +22,7 @@ from ngcell.mechanics.symbolic import fused, parts_of
 from ngcell.mechanics.term import NO_ENTRIES, Configuration, Drive, OneSided, Role, Term
 from ngcell.problem.rotation import finite_rotation_update
 from ngcell.problem.state import Linearisation, State
+from ngcell.problem.stored import stored_by
 from ngcell.problem.tie import Tie
 from ngcell.problem.unknowns import OwnUnknowns, TiedUnknowns, UnknownMap
 
@@ -66,8 +67,16 @@ class Problem:
     @cached_property
     def mass(self) -> sparse.csr_array:
         """Mass matrix, shape (unknowns, unknowns); the metric of the solver's proximal term."""
-        mass = sparse.block_diag([self.space.scalar_mass] * self.dimension, format="csr")
-        return self.unknowns.fold_matrix(mass)
+        return self._of_all_components(self.space.scalar_mass)
+
+    @cached_property
+    def damping_metric(self) -> sparse.csr_array:
+        """What damping is a multiple of, shape (unknowns, unknowns): the mass matrix, and strains in what may fold."""
+        of_fillings = self.space.filling_metric
+        return self.mass if of_fillings is None else self.mass + self._of_all_components(of_fillings)
+
+    def _of_all_components(self, of_one: sparse.csr_array) -> sparse.csr_array:
+        return self.unknowns.fold_matrix(sparse.block_diag([of_one] * self.dimension, format="csr"))
 
     def configuration(self, displacement: Array) -> Configuration:
         """Return where all bodies are with this displacement."""
@@ -178,8 +187,7 @@ class Problem:
         rows = np.concatenate([row + i for i in first for _ in first])
         columns = np.concatenate([column + j for _ in first for j in first])
         lower = rows >= columns
-        row, column, _ = self.unknowns.fold(rows[lower], columns[lower])
-        return row, column
+        return self.unknowns.fold(rows[lower], columns[lower])[:2]
 
     def unstored(self, at: Configuration) -> float:
         """Return what the energy holds without its being stored in bodies."""
@@ -221,21 +229,14 @@ class Problem:
     def update_multipliers(self, state: State) -> tuple[float, float]:
         """Let terms update their multipliers at an equilibrium; return the largest length by which conditions were
         missed, and the energy that stands for it."""
-        stored = StoredEnergy(lambda: self._stored(state.at))
+        stored = StoredEnergy(lambda: stored_by(self.terms, state.at, self.space.body_count))
         # The last terms first: contact is judged by the stored energy, which fluids change when they update.
         found = [term.update_multipliers(state.at, stored) for term in reversed(self.terms)]
         return max(missed for missed, _ in found), sum(energy for _, energy in found)
 
-    def _stored(self, at: Configuration) -> tuple[Array, float]:
-        """Return what is stored in each body, and what belongs to none; what acts between bodies does not count."""
-        in_bodies, beside = np.zeros(self.space.body_count), 0.0
-        for term in self.terms:
-            mine = term.stored_in_bodies(at)
-            if mine is not None:
-                in_bodies += mine
-            elif term.role is not Role.INTERACTION:
-                beside += term.value(at) - term.unstored(at)
-        return in_bodies, beside
+    def folded(self, state: State) -> NDArray[np.bool_]:
+        """Return the bodies that store no finite energy, since something in them is turned inside out."""
+        return ~np.isfinite(stored_by(self.terms, state.at, self.space.body_count)[0])
 
     @property
     def has_multipliers(self) -> bool:

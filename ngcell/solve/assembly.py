@@ -47,7 +47,7 @@ class Assembly:
         with self.clock.phase("assembly"):
             self.make_system(state)
             system, free = self.system, self.problem.free
-            values = system.add_metric(system.of_pattern(line.stiffness), proximal.weight)
+            values = system.mass.add(system.of_pattern(line.stiffness), proximal.weight)
             moving = None if line.curvature is None else line.curvature.tocsr()
             gradient = line.gradient + proximal.gradient(state.displacement, self.problem.mass)
             gradient, stiffness = np.where(free, gradient, 0.0), Stiffness(values, moving)
@@ -58,7 +58,7 @@ class Assembly:
         """Return a model with a damping of each body, an array of shape (bodies,) [stress / length**2]."""
         if not damping.any():
             return model
-        values = self.system.add_metric(model.stiffness.values.copy(), damping[self.problem.part])
+        values = self.system.damping.add(model.stiffness.values.copy(), damping[self.problem.part])
         return replace(model, stiffness=replace(model.stiffness, values=values))
 
     def adopt(self, other: Assembly) -> None:

@@ -74,9 +74,14 @@ class Continuation:
     def begin(self, apart: Minimiser, start: Array, centre: Array) -> Minimum:
         """Return where the path begins: the minimum of the problem without contact, under the first weight.
 
-        It goes down to round-off, so that the path does not depend on `start`.
+        It goes down to round-off, so that the path does not depend on `start`; it sets out from the centre where that
+        is lower.
         """
-        return minimised(apart, start, self._proximal(self.options.first, centre), 0.0, self.options.first)[0]
+        proximal = self._proximal(self.options.first, centre)
+        at_centre = np.where(apart.problem.free, centre, start)
+        totals = [apart.total(apart.problem.at(place), proximal) for place in (start, at_centre)]
+        lower = at_centre if totals[1] < totals[0] else start
+        return minimised(apart, lower, proximal, 0.0, self.options.first)[0]
 
     def select(
         self, begin: State, minimisers: Sequence[Minimiser], centre: Array, *, may_stall: bool = True

@@ -32,15 +32,15 @@ class Damper:
 
     Parameters
     ----------
-    mass : csr_array, shape (unknowns, unknowns)
-        Mass matrix.
+    metric : csr_array, shape (unknowns, unknowns)
+        What damping is a multiple of: the mass matrix, and what measures strains of fillings.
     part : array of int, shape (unknowns,)
         Body of each unknown.
     options : MinimiserOptions
         The numbers of the method.
     """
 
-    mass: sparse.csr_array
+    metric: sparse.csr_array
     part: Index
     options: MinimiserOptions
 
@@ -137,7 +137,7 @@ class Damper:
 
     def _way(self, step: Array) -> Array:
         """Return the squared way of each body in the mass norm, shape (bodies,)."""
-        return self.by_body(step * (self.mass @ step))
+        return self.by_body(step * (self.metric @ step))
 
     def _at_fault(self, lacking: Array) -> NDArray[np.bool_]:
         """Return the bodies that have most of what the model lacks, all where nothing is known, shape (bodies,)."""

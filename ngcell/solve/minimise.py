@@ -71,7 +71,7 @@ class Minimiser:
 
     @cached_property
     def _damper(self) -> Damper:
-        return Damper(self.problem.mass, self.problem.part, self.options)
+        return Damper(self.problem.damping_metric, self.problem.part, self.options)
 
     @cached_property
     def _newton(self) -> Newton:
@@ -98,7 +98,7 @@ class Minimiser:
             self.clock.check()
             self.effort.iterations += 1
             self.budget.charge(self.effort)
-            total, refusals = self._total(state, proximal), self.effort.refusals
+            total, refusals = self.total(state, proximal), self.effort.refusals
             advance = self._descend(state, proximal, damping, tolerance)
             if advance is None:
                 return Minimum(state, Ending.NO_DESCENT, decrement, proximal)
@@ -110,7 +110,7 @@ class Minimiser:
             if self.problem.note_kinks(state):
                 state = self._at(state.displacement)
             progress.note(decrement, total, self.effort.refusals > refusals)
-            if progress.creeps(self._total(state, proximal), tolerance):
+            if progress.creeps(self.total(state, proximal), tolerance):
                 return Minimum(state, Ending.STALLED, decrement, proximal)
             if progress.rests_below(self._unseen(state)):
                 return Minimum(state, self._ending_of_stall(state, proximal), decrement, proximal)
@@ -185,7 +185,8 @@ class Minimiser:
         """Return the energy of a proximal term."""
         return proximal.value(displacement, self.problem.mass)
 
-    def _total(self, state: State, proximal: ProximalTerm) -> float:
+    def total(self, state: State, proximal: ProximalTerm) -> float:
+        """Return the energy with that of a proximal term."""
         return state.energy + self.proximal_energy(state.displacement, proximal)
 
     @property
@@ -220,7 +221,7 @@ class Minimiser:
         """
         with self.clock.phase("assembly"):
             line = self.problem.linearise(state)
-        energy = self._total(state, proximal)
+        energy = self.total(state, proximal)
         lost = max(self.options.round_off * abs(energy), self._noise)
         undamped, matrix = self.assembly.model(state, line, proximal)
         is_last = False
@@ -243,7 +244,7 @@ class Minimiser:
                     bent = self._bent(line, (model, matrix), step, trial, least - gain)
                     again = (trial, gain) if bent is None else self._tried(state, bent, proximal, energy)
                     trial, gain = again if again[1] > least else (trial, gain)
-                if np.isfinite(trial.energy) and gain < self.options.fair * -change:
+                if not gain >= self.options.fair * -change:  # or no energy at all
                     lacking = self._lacking(undamped, matrix, step, trial, proximal)
                 if change < 0 and gain > least:
                     relaxed = self._damper.relaxed(damping, step, slope, lacking, gain / -change)
@@ -290,7 +291,9 @@ class Minimiser:
     def _lacking(
         self, model: OneSidedModel, matrix: Matrix, step: Array, trial: State, proximal: ProximalTerm
     ) -> Array:
-        """Return what the energy of each body has beyond an undamped model after a step [energy], shape (bodies,)."""
+        """Return what the energy of each body has beyond a model after a step [energy], 1 where one has folded."""
+        if not np.isfinite(trial.energy):
+            return self.problem.folded(trial).astype(float)
         with self.clock.phase("assembly"):
             found = self.problem.gradient(trial) + proximal.gradient(trial.displacement, self.problem.mass)
             foreseen = model.gradient_after(matrix.multiply(model.stiffness, step), model.jacobian @ step)

@@ -93,6 +93,10 @@ class Problem(Protocol):
         """Metric of displacements, shape (unknowns, unknowns)."""
 
     @property
+    def damping_metric(self) -> sparse.csr_array:
+        """What damping of steps is a multiple of, shape (unknowns, unknowns), or that of displacements itself."""
+
+    @property
     def pattern(self) -> tuple[Index, Index]:
         """Rows and columns of the lower triangle that `Linearisation.stiffness` fills."""
 
@@ -137,6 +141,9 @@ class Problem(Protocol):
 
     def resultants(self, nodal: Array) -> Array:
         """Return the sum of nodal forces over each body, shape (bodies, dimension)."""
+
+    def folded(self, state: Any) -> NDArray[np.bool_]:
+        """Return the bodies whose energy is not finite, shape (bodies,)."""
 
     def update_multipliers(self, state: Any) -> tuple[float, float]:
         """Update multipliers at an equilibrium; return the gap [length] by which it misses conditions that the

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 
 from ngcell.solve.cliques import narrowed
 from ngcell.solve.condensed import CondensedMatrix
@@ -20,6 +21,36 @@ SystemMatrix = CondensedMatrix | IterativeMatrix
 
 
 @dataclass(frozen=True, eq=False)
+class Metric:
+    """The lower triangle of a matrix that measures displacements, as a part of the matrix.
+
+    Attributes
+    ----------
+    at : array of int
+        Where its entries stand among the values.
+    row, column : array of int
+        Their rows and columns.
+    entries : array of float
+        The entries.
+    """
+
+    at: Index
+    row: Index
+    column: Index
+    entries: Array
+
+    def add(self, values: Array, weight: Array | float) -> Array:
+        """Add a multiple to values, or ``sqrt(weight_i weight_j) M_ij`` where each unknown has a weight of its own, and
+        return them."""
+        root = np.sqrt(weight) if isinstance(weight, np.ndarray) else None
+        for first in range(0, len(self.at), _AT_ONCE):
+            part = slice(first, first + _AT_ONCE)
+            factor = weight if root is None else root[self.row[part]] * root[self.column[part]]
+            values[self.at[part]] += factor * self.entries[part]
+        return values
+
+
+@dataclass(frozen=True, eq=False)
 class System:
     """A matrix with a lasting pattern.
 
@@ -27,34 +58,20 @@ class System:
     ----------
     matrix : CondensedMatrix or IterativeMatrix
         The matrix.
-    bulk, metric : array of int
-        Where the entries of the problem's pattern and of its mass matrix stand among the values.
-    metric_row, metric_column : array of int
-        Rows and columns of the entries of the mass matrix.
-    metric_values : array of float
-        The entries of the mass matrix.
+    bulk : array of int
+        Where the entries of the problem's pattern stand among the values.
+    mass, damping : Metric
+        The mass matrix, and what damping is a multiple of.
     """
 
     matrix: SystemMatrix
     bulk: Index
-    metric: Index
-    metric_row: Index
-    metric_column: Index
-    metric_values: Array
+    mass: Metric
+    damping: Metric
 
     def of_pattern(self, stiffness: Array) -> Array:
         """Return the values of a matrix from those on the problem's pattern."""
         return np.asarray(np.bincount(self.bulk, weights=stiffness, minlength=self.matrix.entry_count), dtype=float)
-
-    def add_metric(self, values: Array, weight: Array | float) -> Array:
-        """Add a multiple of the mass matrix to values, or ``sqrt(weight_i weight_j) M_ij`` where each unknown has a
-        weight of its own, and return them."""
-        root = np.sqrt(weight) if isinstance(weight, np.ndarray) else None
-        for first in range(0, len(self.metric), _AT_ONCE):
-            part = slice(first, first + _AT_ONCE)
-            factor = weight if root is None else root[self.metric_row[part]] * root[self.metric_column[part]]
-            values[self.metric[part]] += factor * self.metric_values[part]
-        return values
 
 
 def direct_system(problem: Problem, touched: Index, near: float) -> System:
@@ -62,28 +79,39 @@ def direct_system(problem: Problem, touched: Index, near: float) -> System:
 
     Penalty terms touch the unknowns `touched`; walls of a smaller gap than `near` [length] are next to closing.
     """
-    bulk, metric, values = _entries(problem)
-    rows, columns = (np.concatenate(part) for part in zip(bulk, metric, strict=True))
-    matrix = CondensedMatrix(len(problem.free), problem.free, rows, columns, touched, near)
-    return _located(matrix, bulk, metric, values)
+    rows, columns = _places(problem)
+    return _located(problem, CondensedMatrix(len(problem.free), problem.free, rows, columns, touched, near))
 
 
 def iterative_system(problem: Problem) -> System:
     """Return a matrix whose systems are solved by iterations."""
-    bulk, metric, values = _entries(problem)
-    rows, columns = (np.concatenate(part) for part in zip(bulk, metric, strict=True))
-    matrix = IterativeMatrix(len(problem.free), problem.free, rows, columns, problem.part)
-    return _located(matrix, bulk, metric, values)
+    rows, columns = _places(problem)
+    return _located(problem, IterativeMatrix(len(problem.free), problem.free, rows, columns, problem.part))
 
 
-def _located(matrix: SystemMatrix, bulk: tuple[Index, Index], metric: tuple[Index, Index], values: Array) -> System:
-    at, row, column = (narrowed(index) for index in (matrix.locate(*metric), *metric))
-    return System(matrix, narrowed(matrix.locate(*bulk)), at, row, column, values)
+def _places(problem: Problem) -> tuple[Index, Index]:
+    """Return rows and columns of all entries; metrics that are one matrix count once."""
+    metrics = {id(metric): metric for metric in (problem.mass, problem.damping_metric)}.values()
+    parts = [problem.pattern, *(_lower(metric)[:2] for metric in metrics)]
+    row, column = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return row, column
 
 
-def _entries(problem: Problem) -> tuple[tuple[Index, Index], tuple[Index, Index], Array]:
-    """Return the entries of the pattern and of the mass matrix, lower triangles, and the values of the latter."""
-    mass = problem.mass.tocoo()
-    row, column = (index.astype(np.int64) for index in mass.coords)
+def _located(problem: Problem, matrix: SystemMatrix) -> System:
+    mass, damping = problem.mass, problem.damping_metric
+    found = _metric(mass, matrix)
+    bulk, other = narrowed(matrix.locate(*problem.pattern)), found if damping is mass else _metric(damping, matrix)
+    return System(matrix, bulk, found, other)
+
+
+def _metric(matrix: sparse.csr_array, system: SystemMatrix) -> Metric:
+    row, column, entries = _lower(matrix)
+    return Metric(narrowed(system.locate(row, column)), narrowed(row), narrowed(column), entries)
+
+
+def _lower(matrix: sparse.csr_array) -> tuple[Index, Index, Array]:
+    """Return rows, columns and values of the lower triangle."""
+    found = matrix.tocoo()
+    row, column = (index.astype(np.int64) for index in found.coords)
     lower = row >= column
-    return problem.pattern, (row[lower], column[lower]), mass.data[lower]
+    return row[lower], column[lower], found.data[lower]

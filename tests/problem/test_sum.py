@@ -13,6 +13,7 @@ from ngcell.build.simulation import Simulation
 from ngcell.contact.cohesion.bonds import bond_walls
 from ngcell.contact.cohesion.exponential import Cohesion
 from ngcell.contact.methods.terms import CohesionTerm, ContactTerm
+from ngcell.geometry.bodies import FILLING
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.sections import ring_mesh
 from ngcell.mechanics.applied.potential import AppliedLoads
@@ -304,3 +305,24 @@ def test_only_fluids_and_loads_are_driven_and_only_bodies_soften():
         assert softened == {type(term) for term in one.terms if term.incompressibility > 0}
     ratios = [term.incompressibility for term in filled.terms[:2]]
     assert ratios == [law.bulk_modulus / law.shear_modulus for law in (LAW, SOFT)]
+
+
+def test_damping_measures_strains_of_fillings_beside_the_mass():
+    hollow = sum_of(cells(2), *TOGETHER["pressed"][0])
+    assert hollow.damping_metric is hollow.mass
+    tissue = cells(2, filled=True)
+    filled, space = sum_of(tissue, *TOGETHER["filled"][0]), tissue.space
+    gradient = np.array([[0.1, 0.2], [0.3, -0.4]])
+    moved = space.affine(gradient, np.array([1.0, 2.0])).ravel()
+    area = ngsolve.Integrate(ngsolve.CF(1) * ngsolve.dx(definedon=space.mesh.Materials(FILLING)), space.mesh)
+    strains = moved @ (filled.damping_metric - filled.mass) @ moved
+    assert strains == pytest.approx((gradient**2).sum() * area * area / 2)  # two lumens of the same size
+
+
+@pytest.mark.parametrize("body", [0, 1])
+def test_a_body_turned_inside_out_is_told(body):
+    tissue = cells(2, filled=True)
+    problem, space = sum_of(tissue, *TOGETHER["filled"][0]), tissue.space
+    mirrored = space.affine(np.diag([-2.0, 0.0]), np.zeros(2))
+    place = np.where(space.body_of_unknown == body, mirrored, 0.0).ravel()
+    np.testing.assert_array_equal(problem.folded(problem.at(place)), np.arange(2) == body)

@@ -38,7 +38,7 @@ class Bowls:
     dimension = 2
     free = np.ones(BODIES, dtype=bool)
     part = np.arange(BODIES)
-    mass = sparse.csr_array(np.eye(BODIES))
+    mass = damping_metric = sparse.csr_array(np.eye(BODIES))
     pattern = (np.arange(BODIES), np.arange(BODIES))
 
     def __init__(self, sharp: int) -> None:
@@ -137,6 +137,43 @@ def test_one_body_that_is_hardly_held_does_not_hold_up_the_others():
     on_the_way = minimiser.minimise(start, ProximalTerm(0.0, start), most=4)
     assert (on_the_way.state.displacement > 0.7).all()
     assert minimiser.minimise(start, ProximalTerm(0.0, start)).ending is Ending.CONVERGED
+
+
+class OneFolds(Bowls):
+    """Bowls ``(x - 1)**2 / 2``, but for one body with ``x - 1 - log(x)``, which has no energy where x <= 0."""
+
+    def __init__(self) -> None:
+        super().__init__(0)
+
+    def at(self, displacement: np.ndarray) -> Place:
+        energies, x = (displacement - 1) ** 2 / 2, displacement[0]
+        energies[0] = x - 1 - np.log(x) if x > 0 else np.nan
+        return Place(displacement, float(energies.sum()))
+
+    def folded(self, state: Place) -> np.ndarray:
+        return np.where(np.arange(BODIES) == 0, state.displacement <= 0, False)
+
+    def gradient(self, state: Place) -> np.ndarray:
+        slope = state.displacement - 1
+        slope[0] = 1 - 1 / state.displacement[0]
+        return slope
+
+    def linearise(self, state: Place) -> Line:
+        stiffness = np.ones(BODIES)
+        stiffness[0] = state.displacement[0] ** -2
+        return Line(self.gradient(state), stiffness)
+
+
+def test_one_body_that_folds_is_damped_and_the_others_are_not():
+    """From 3 the first step of the one body leads to -3, that of the others to their minimum."""
+    start = np.full(BODIES, 3.0)
+    minimiser = Minimiser(OneFolds(), np.inf, energy_scale=1.0)
+    once = minimiser.minimise(start, ProximalTerm(0.0, start), most=1)
+    np.testing.assert_allclose(once.state.displacement[1:], 1.0)
+    assert 0 < once.state.displacement[0] < 3
+    found = minimiser.minimise(start, ProximalTerm(0.0, start))
+    assert found.ending is Ending.CONVERGED
+    np.testing.assert_allclose(found.state.displacement, 1.0, rtol=1e-6)
 
 
 def test_damping_ends_at_exactly_nothing():

@@ -51,7 +51,11 @@ class Landscape:
     visited: list[np.ndarray] = field(default_factory=list)
 
     mass, part = sparse.csr_array(np.eye(3)), np.zeros(3, dtype=int)
+    damping_metric = mass
     pattern = (np.arange(3), np.arange(3))
+
+    def folded(self, state: Point) -> np.ndarray:
+        return np.array([not np.isfinite(state.energy)])
 
     def at(self, displacement: np.ndarray) -> Point:
         x, y, _ = displacement

@@ -99,6 +99,18 @@ def test_last_digits_are_found_under_a_firm_hold_and_the_pull_that_is_left_is_ta
     assert free.state.displacement[0] == pytest.approx(FAR, rel=0.05)
 
 
+def test_the_path_sets_out_from_its_centre_where_that_is_lower():
+    """A start that is far away would take a step of the longest length after the other."""
+    path, centre, far = Continuation(1.0, ContinuationOptions(first=10.0)), np.zeros(3), np.array([0.0, 7.0, 0.0])
+    begun = []
+    for start in (centre, far):
+        minimiser = Minimiser(Bowl(), 0.5, energy_scale=1.0)
+        begun.append((path.begin(minimiser, start, centre), minimiser.effort.iterations))
+    (near, few), (found, many) = begun
+    assert many == few
+    np.testing.assert_array_equal(found.state.displacement, near.state.displacement)
+
+
 def test_conditions_are_met_once_the_pull_that_is_left_is_taken_away(monkeypatch):
     """Where walls go on, multipliers that were updated to the end would be so for nothing."""
     options = ContinuationOptions(felt=1.0, sufficient=1.0, recentred=0.1, resting=10.0, allowed=1e-3)

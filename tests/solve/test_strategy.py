@@ -205,6 +205,9 @@ class FakeMinimiser:
         ending = Ending.CONVERGED if found else Ending.NO_DESCENT
         return Minimum(SimpleNamespace(displacement=start, energy=0.0), ending, 0.0, proximal)
 
+    def total(self, state: object, proximal: ProximalTerm) -> float:
+        return 0.0
+
     def forget_matrix(self) -> None:
         pass
 
