@@ -112,6 +112,15 @@ class Problems:
         """
         return (*self._softened_from(self.options.solver.direct_bulk), fused(self._terms))
 
+    @cached_property
+    def _stages_of_released(self) -> tuple[tuple[Term, ...], ...]:
+        """The same of released walls. On a mesh that only leads to finer ones, the path is followed with fillings that
+        change their volume more easily."""
+        is_filled, options = self.space.filling_metric is not None, self.options.solver
+        if not (is_filled and options.continuation.only_leads):
+            return self._volume_stages
+        return (*self._softened_from(options.transferred_bulk), fused(self._terms))
+
     def _softened_from(self, bound: float) -> list[tuple[Term, ...]]:
         """Return these terms with ratios of bulk to shear modulus from `bound` to less than the one that is meant."""
         stages = []
@@ -195,7 +204,7 @@ class Problems:
     @cached_property
     def released_problems(self) -> tuple[Problem, ...]:
         """The tissue with its walls in unilateral contact, stage by stage."""
-        *softer, meant = self._volume_stages
+        *softer, meant = self._stages_of_released
         stages = [(terms, self._contacts[0]) for terms in softer] + [(meant, contact) for contact in self._contacts]
         return tuple(self._released_problem(*stage) for stage in stages)
 
@@ -219,7 +228,7 @@ class Problems:
     @property
     def released(self) -> Released:
         """Minimisers of the released walls, and the continuation that selects one of their equilibria."""
-        apart = Problem(self.space, (*self._volume_stages[0], *self.cohesion), self.motion.fixed)
+        apart = Problem(self.space, (*self._stages_of_released[0], *self.cohesion), self.motion.fixed)
         return Released(
             self._minimiser(apart, self.longest_step),
             tuple(self._minimiser(problem, self.longest_step) for problem in self.released_problems),

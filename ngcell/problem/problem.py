@@ -71,8 +71,8 @@ class Problem:
 
     @cached_property
     def damping_metric(self) -> sparse.csr_array:
-        """What damping is a multiple of, shape (unknowns, unknowns): the mass matrix, and strains in what may fold."""
-        of_fillings = self.space.filling_metric
+        """What damping is a multiple of: the mass matrix, and strains of fillings of tied solids, which fold first."""
+        of_fillings = None if isinstance(self.unknowns, OwnUnknowns) else self.space.filling_metric
         return self.mass if of_fillings is None else self.mass + self._of_all_components(of_fillings)
 
     def _of_all_components(self, of_one: sparse.csr_array) -> sparse.csr_array:
