@@ -10,7 +10,7 @@ from ngcell.solve.options import SolverOptions
 #: Stiffness of penalty terms, in layers of elements behind the wall, at an accuracy; and the largest, at which they
 #: still find a way down at corners.
 _STIFF, _ASKED, _STIFFEST = 100.0, 0.01, 1e3
-#: Length by which conditions that multipliers enforce may be missed, as a share of the accuracy, and the largest accuracy
+#: Length by which conditions that multipliers enforce may be missed, as a share of the accuracy, and the largest one
 #: that counts there: areas of fluids are certified to 1e-8.
 _MISSED, _LARGEST_MISSED = 1e-6, 0.1
 
