@@ -116,8 +116,8 @@ class Problems:
     def _stages_of_released(self) -> tuple[tuple[Term, ...], ...]:
         """The same of released walls. On a mesh that only leads to finer ones, the path is followed with fillings that
         change their volume more easily."""
-        is_filled, options = self.space.filling_metric is not None, self.options.solver
-        if not (is_filled and options.continuation.only_leads):
+        is_filling, options = self.bodies.is_filling, self.options.solver
+        if is_filling is None or not (is_filling.any() and options.continuation.only_leads):
             return self._volume_stages
         return (*self._softened_from(options.transferred_bulk), fused(self._terms))
 

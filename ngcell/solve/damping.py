@@ -136,7 +136,7 @@ class Damper:
         return np.where(where, np.minimum(raised, _LARGEST), damping)
 
     def _way(self, step: Array) -> Array:
-        """Return the squared way of each body in the mass norm, shape (bodies,)."""
+        """Return the squared way of each body in the metric, shape (bodies,)."""
         return self.by_body(step * (self.metric @ step))
 
     def _at_fault(self, lacking: Array) -> NDArray[np.bool_]:

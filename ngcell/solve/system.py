@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -79,34 +80,33 @@ def direct_system(problem: Problem, touched: Index, near: float) -> System:
 
     Penalty terms touch the unknowns `touched`; walls of a smaller gap than `near` [length] are next to closing.
     """
-    rows, columns = _places(problem)
-    return _located(problem, CondensedMatrix(len(problem.free), problem.free, rows, columns, touched, near))
+
+    def matrix(row: Index, column: Index) -> SystemMatrix:
+        return CondensedMatrix(len(problem.free), problem.free, row, column, touched, near)
+
+    return _system(problem, matrix)
 
 
 def iterative_system(problem: Problem) -> System:
     """Return a matrix whose systems are solved by iterations."""
-    rows, columns = _places(problem)
-    return _located(problem, IterativeMatrix(len(problem.free), problem.free, rows, columns, problem.part))
+
+    def matrix(row: Index, column: Index) -> SystemMatrix:
+        return IterativeMatrix(len(problem.free), problem.free, row, column, problem.part)
+
+    return _system(problem, matrix)
 
 
-def _places(problem: Problem) -> tuple[Index, Index]:
-    """Return rows and columns of all entries; metrics that are one matrix count once."""
-    metrics = {id(metric): metric for metric in (problem.mass, problem.damping_metric)}.values()
-    parts = [problem.pattern, *(_lower(metric)[:2] for metric in metrics)]
-    row, column = (np.concatenate(part) for part in zip(*parts, strict=True))
-    return row, column
-
-
-def _located(problem: Problem, matrix: SystemMatrix) -> System:
+def _system(problem: Problem, matrix_of: Callable[[Index, Index], SystemMatrix]) -> System:
+    """Return a matrix with room for all entries, and where they stand; metrics that are one matrix count once."""
     mass, damping = problem.mass, problem.damping_metric
-    found = _metric(mass, matrix)
-    bulk, other = narrowed(matrix.locate(*problem.pattern)), found if damping is mass else _metric(damping, matrix)
-    return System(matrix, bulk, found, other)
-
-
-def _metric(matrix: sparse.csr_array, system: SystemMatrix) -> Metric:
-    row, column, entries = _lower(matrix)
-    return Metric(narrowed(system.locate(row, column)), narrowed(row), narrowed(column), entries)
+    metrics = [_lower(metric) for metric in ([mass] if damping is mass else [mass, damping])]
+    places = [problem.pattern, *(metric[:2] for metric in metrics)]
+    matrix = matrix_of(*(np.concatenate(part) for part in zip(*places, strict=True)))
+    found = [
+        Metric(narrowed(matrix.locate(row, column)), narrowed(row), narrowed(column), entries)
+        for row, column, entries in metrics
+    ]
+    return System(matrix, narrowed(matrix.locate(*problem.pattern)), found[0], found[-1])
 
 
 def _lower(matrix: sparse.csr_array) -> tuple[Index, Index, Array]:

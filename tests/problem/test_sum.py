@@ -309,8 +309,8 @@ def test_only_fluids_and_loads_are_driven_and_only_bodies_soften():
 
 def test_damping_measures_strains_of_fillings_of_tied_solids_beside_the_mass():
     def problem(tissue: SmallTissue, *, is_tied: bool) -> Problem:
-        free = np.zeros((2, tissue.space.size), dtype=bool)
-        return Problem(tissue.space, [tissue.bulk], free, tie=tissue.tie if is_tied else None)
+        fixed = np.zeros((2, tissue.space.size), dtype=bool)
+        return Problem(tissue.space, [tissue.bulk], fixed, tie=tissue.tie if is_tied else None)
 
     tissue = cells(2, filled=True)
     for other in (problem(cells(2), is_tied=True), problem(tissue, is_tied=False)):
