@@ -6,6 +6,7 @@ import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import inf
 from typing import Generic, Protocol, TypeVar, cast
 
 from ngcell.build.options import Options
@@ -145,9 +146,9 @@ class Level(Generic[Scene]):
     ) -> Refined[Scene] | None:
         """Return a step on this mesh that was found on the one before; None where it finds no equilibrium.
 
-        If it `only_leads` to what is reported, released walls are in the contact of the stage before the last. Last
-        digits are left out where the step `is_finished_later`, if it is reported, and found where nothing but the error
-        of another is told by it.
+        If it `only_leads` to what is reported, released walls are in the contact of the stage before the last, and no
+        last digits are looked for: multipliers take over from wherever the energy hardly falls. Few are where the step
+        `is_finished_later`, if it is reported, and all where nothing but the error of another is told by it.
         """
         mine, accepted = self.simulation, coarse.accepted
         load, is_tied = accepted.load_factor, accepted.phase == "tied"
@@ -156,7 +157,7 @@ class Level(Generic[Scene]):
         path = self._released.path if accepted.minimum.proximal.weight else None
         share = mine.options.solver.handed_on if only_leads else None
         if path is not None and is_finished_later:
-            share = path.options.of_leading
+            share = inf if only_leads else path.options.of_leading
         for softer, last in [self._tied_at(start, load)] if is_tied else self._attempts(only_leads):
             effort = spent((*softer, *last))
             self._prepare(softer, last, coarse, start, mine.problem_of(accepted.phase, only_leads=only_leads))

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,7 +52,8 @@ def settled(
     path : Continuation, optional
         The continuation on this mesh, if bodies may float: the proximal term then holds them where they are.
     share : float, optional
-        Decrement of the last minimisation, as a share of the energy; by default that of what is reported.
+        Decrement of the last minimisation, as a share of the energy; by default that of what is reported. At inf it is
+        left out where bodies may float: the state is one from which the energy hardly falls any more.
     """
     minimum, before = None, None
     refined, weight = share or options.continuation.refined, path.scale * path.options.recentred if path else 0.0
@@ -71,7 +73,7 @@ def settled(
             minimum = minimiser.minimise(start, held, share * _magnitude(minimiser, start))
         else:
             minimum = recentred(minimiser, start, weight, path.options)
-            if minimum.is_found:
+            if minimum.is_found and isfinite(share):
                 minimum = at_rest(minimiser, minimum, path.scale, path.options.resting, path.options, share)
         if not minimum.is_found:
             return minimum
