@@ -179,8 +179,9 @@ def rested(minimiser: Minimiser, minimum: Minimum, path: Continuation, lowest: f
 
     As long as it is more, walls are followed on from there, until it is half of that, at first under the weight under
     which last digits are found, then under smaller ones. Conditions are met once walls need not be followed, and walls
-    go on if they slide as that is done. It ends where the energy falls below `lowest`. Without an accuracy no force is
-    allowed, and the one that the path has left stays.
+    go on if they slide as that is done. It ends where the energy falls below `lowest`, and without the last digits
+    where no step lowers the energy, as at a kink. Without an accuracy no force is allowed, and the one that the path
+    has left stays.
     """
     options, to_fall, firm = path.options, minimum.to_fall, path.scale * path.options.resting
     share = options.before_multipliers if minimiser.problem.has_multipliers else options.of_leading
@@ -203,12 +204,15 @@ def rested(minimiser: Minimiser, minimum: Minimum, path: Continuation, lowest: f
         enough = options.refined * minimiser.problem.magnitude(minimum.state)
         if is_last or minimum.decrement <= enough:
             break
-        is_last = True
+        is_last, last = True, minimum
         if minimum.proximal.weight < firm:
             minimum = at_rest(minimiser, minimum, path.scale, options.resting, options, options.refined, lowest)
         else:
             place, name = minimum.state.displacement, minimum.proximal.weight / path.scale
             minimum, _ = minimised(minimiser, place, minimum.proximal, 0.0, name, enough, lowest=lowest)
+        is_at_kink = last.decrement <= options.nothing * minimiser.problem.magnitude(last.state)
+        if minimum.ending is Ending.NO_DESCENT and is_at_kink:
+            minimum = last
     return replace(minimum, to_fall=to_fall)
 
 
@@ -230,9 +234,10 @@ def until_conditions_hold(
 ) -> Minimum:
     """Update multipliers and minimise in turn until what is missed is nothing beside `length`.
 
-    Where the active set cycles, it goes on for at most so many iterations. Multipliers are foreseen where an accuracy
-    is asked for: those that updates approach slowly, as of confined walls, then miss by some times what is judged,
-    which is nothing beside the accuracy. Without one they are updated one by one.
+    Where the active set cycles, it goes on for at most so many iterations; where nothing to speak of is missed, and no
+    step lowers the energy, as at a kink, it ends where it is. Multipliers are foreseen where an accuracy is asked for:
+    those that updates approach slowly, as of confined walls, then miss by some times what is judged, which is nothing
+    beside the accuracy. Without one they are updated one by one.
     """
     before, was_increased, spent = float("inf"), False, minimiser.effort.iterations
     met = options.condition * length
@@ -250,7 +255,10 @@ def until_conditions_hold(
         start, tolerance = minimum.state.displacement, options.update * energy
         if options.sufficient:
             start = with_foreseen_multipliers(minimiser, minimum, missed, max(options.foreseen * missed, met / 10))
+        last = minimum
         minimum, _ = minimised(minimiser, start, minimum.proximal, options.at_the_end, name, tolerance, options.cycling)
+        if minimum.ending is Ending.NO_DESCENT and is_nothing:
+            return replace(last, state=minimiser.problem.at(last.state.displacement))
         if not minimum.is_found:
             return minimum
         cycles = minimum.ending is Ending.STALLED

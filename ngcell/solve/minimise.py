@@ -101,7 +101,7 @@ class Minimiser:
             total, refusals = self.total(state, proximal), self.effort.refusals
             advance = self._descend(state, proximal, damping, tolerance)
             if advance is None:
-                return Minimum(state, Ending.NO_DESCENT, decrement, proximal)
+                return Minimum(state, self._ending_of_stall(state, proximal), decrement, proximal)
             state, damping, decrement = advance.state, advance.damping, advance.decrement
             if state.energy < lowest:
                 return Minimum(state, Ending.SLID, decrement, proximal)
@@ -203,7 +203,7 @@ class Minimiser:
         return max(self.options.stalled * abs(state.energy), self.options.unseen * self._noise)
 
     def _ending_of_stall(self, state: State, proximal: ProximalTerm) -> Ending:
-        """Return what iterations that lead nowhere mean: damping makes decrements small, whatever the forces are."""
+        """Return what it means that iterations lead nowhere: damping makes decrements small, forces or not."""
         model, matrix = self.assembly.model(state, self.problem.linearise(state), proximal)
         found = self._newton.step(model, matrix)
         is_balanced = found.change <= 0 and found.decrement <= self._unseen(state)

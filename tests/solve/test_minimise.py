@@ -40,7 +40,7 @@ class Landscape:
 
         E = (x^2 - 1)^2 + tilt x + y^2 / 2 + penalty term / 2 min(0, stop - x)^2
 
-    In a `trap` the energy is 0 at first and 1 wherever one goes from there.
+    In a `trap` the energy is 1 at first and 2 wherever one goes from there.
     """
 
     tilt: float = 0.0
@@ -61,7 +61,7 @@ class Landscape:
         x, y, _ = displacement
         self.visited.append(displacement)
         if self.trap:
-            return Point(displacement, float(len(self.visited) > 1))
+            return Point(displacement, 1.0 + float(len(self.visited) > 1))
         overlap = min(0.0, self.stop - x)
         energy = (x * x - 1) ** 2 + self.tilt * x + y * y / 2 + self.penalty / 2 * overlap**2
         return Point(displacement, energy if x > -3 else float("nan"))
@@ -208,6 +208,7 @@ def test_every_ending_has_its_cause():
     assert descend(Landscape(free=held), (0.9, 0.0, 0.0)).ending is Ending.CONVERGED
     assert descend(Landscape(free=held), (-3.5, 0.0, 0.0)).ending is Ending.NO_ENERGY
     assert descend(Landscape(free=held, trap=True), (0.9, 0.0, 0.0)).ending is Ending.NO_DESCENT
+    assert descend(Landscape(free=held, trap=True), (1 + 1e-7, 0.0, 0.0)).ending is Ending.STALLED  # forces: round-off
     short = descend(Landscape(free=held), (2.5, 0.0, 0.0), most_iterations=2)
     assert short.ending is Ending.TOO_MANY_ITERATIONS
     assert short.state.energy < Landscape().at(np.array([2.5, 0, 0])).energy

@@ -13,7 +13,7 @@ from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.proximal import ProximalTerm
 from ngcell.solve.recentred import at_rest, force_through, pull_on_bodies, recentred
-from tests.solve.test_minimise import Landscape, Model, Point
+from tests.solve.test_minimise import NOWHERE, Landscape, Model, Point
 
 #: Weight of the proximal term, and that beside which the bowl is soft.
 WEIGHT, FAR = 1.0, 0.4
@@ -178,3 +178,33 @@ def test_meshes_that_lead_end_early_and_last_digits_are_found_where_they_are_rep
     assert found.is_found and found.decrement <= options.refined
     spent = minimiser.effort.iterations
     assert rested(minimiser, found, path).state is found.state and minimiser.effort.iterations == spent
+
+
+def stuck(minimiser: Minimiser, start: np.ndarray, proximal: ProximalTerm, *_: object, **__: object) -> tuple:
+    """A minimisation that finds no step down, as at a kink."""
+    return Minimum(minimiser.problem.at(start), Ending.NO_DESCENT, 1.0, proximal), minimiser.effort
+
+
+@pytest.mark.parametrize(("energy", "ending"), [(1e-13, Ending.CONVERGED), (1e-3, Ending.NO_DESCENT)])
+def test_conditions_that_miss_nothing_to_speak_of_may_end_at_a_kink(monkeypatch, energy, ending):
+    class Kinked(Bowl):
+        def update_multipliers(self, state: Point) -> tuple[float, float]:
+            return 1e-6, energy
+
+    minimiser = Minimiser(Kinked(), 1.0, energy_scale=1.0)
+    minimum = Minimum(minimiser.problem.at(np.zeros(3)), Ending.CONVERGED, 1e-13, NOWHERE)
+    monkeypatch.setattr("ngcell.solve.continuation.minimised", stuck)
+    found = until_conditions_hold(minimiser, minimum, 1.0, ContinuationOptions())
+    assert found.ending is ending
+    np.testing.assert_array_equal(found.state.displacement, minimum.state.displacement)
+
+
+@pytest.mark.parametrize(("decrement", "ending"), [(1e-13, Ending.CONVERGED), (1e-9, Ending.NO_DESCENT)])
+def test_last_digits_that_are_round_off_may_be_missing_at_a_kink(monkeypatch, decrement, ending):
+    options = ContinuationOptions().within(0.1)
+    minimiser, path = Minimiser(Bowl(), 1.0, energy_scale=1.0), Continuation(1.0, options)
+    held = ProximalTerm(options.resting, np.zeros(3))
+    minimum = Minimum(minimiser.problem.at(np.zeros(3)), Ending.CONVERGED, decrement, held)
+    monkeypatch.setattr("ngcell.solve.continuation.minimised", stuck)
+    monkeypatch.setattr("ngcell.solve.continuation.at_rest", lambda *about: pytest.fail("held firmly already"))
+    assert rested(minimiser, minimum, path).ending is ending
