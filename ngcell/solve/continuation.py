@@ -258,7 +258,7 @@ def until_conditions_hold(
         last = minimum
         minimum, _ = minimised(minimiser, start, minimum.proximal, options.at_the_end, name, tolerance, options.cycling)
         if minimum.ending is Ending.NO_DESCENT and is_nothing:
-            return replace(last, state=minimiser.problem.at(last.state.displacement))
+            return replace(last, state=minimiser.problem.at(last.state.displacement), decrement=minimum.decrement)
         if not minimum.is_found:
             return minimum
         cycles = minimum.ending is Ending.STALLED

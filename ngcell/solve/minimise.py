@@ -203,7 +203,7 @@ class Minimiser:
         return max(self.options.stalled * abs(state.energy), self.options.unseen * self._noise)
 
     def _ending_of_stall(self, state: State, proximal: ProximalTerm) -> Ending:
-        """Return what it means that iterations lead nowhere: damping makes decrements small, forces or not."""
+        """Return what iterations that lead nowhere mean: damping makes decrements small, whatever the forces are."""
         model, matrix = self.assembly.model(state, self.problem.linearise(state), proximal)
         found = self._newton.step(model, matrix)
         is_balanced = found.change <= 0 and found.decrement <= self._unseen(state)

@@ -11,8 +11,10 @@ from ngcell.solve.continuation import Continuation, rested, until_conditions_hol
 from ngcell.solve.continuation_options import ContinuationOptions
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Ending, Minimum
+from ngcell.solve.options import SolverOptions
 from ngcell.solve.proximal import ProximalTerm
 from ngcell.solve.recentred import at_rest, force_through, pull_on_bodies, recentred
+from ngcell.solve.refined import settled
 from tests.solve.test_minimise import NOWHERE, Landscape, Model, Point
 
 #: Weight of the proximal term, and that beside which the bowl is soft.
@@ -197,6 +199,17 @@ def test_conditions_that_miss_nothing_to_speak_of_may_end_at_a_kink(monkeypatch,
     found = until_conditions_hold(minimiser, minimum, 1.0, ContinuationOptions())
     assert found.ending is ending
     np.testing.assert_array_equal(found.state.displacement, minimum.state.displacement)
+    assert found.decrement == 1.0  # multipliers have changed since that of the minimum before
+
+
+def test_states_that_multipliers_take_over_from_need_no_last_digits():
+    path, spent = Continuation(1.0, ContinuationOptions().within(0.1)), []
+    for share in (path.options.of_leading, np.inf):
+        minimiser = Minimiser(Bowl(), 0.1, energy_scale=1.0)
+        found = settled((minimiser,), np.zeros(3), length=1.0, options=SolverOptions(), path=path, share=share)
+        assert found.is_found and found.to_fall <= path.options.sufficient
+        spent.append(minimiser.effort.iterations)
+    assert spent[1] < spent[0]
 
 
 @pytest.mark.parametrize(("decrement", "ending"), [(1e-13, Ending.CONVERGED), (1e-9, Ending.NO_DESCENT)])
