@@ -25,9 +25,13 @@ from ngcell.mechanics.lumens.lumen import keeps_volume
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.mechanics.term import Term
+from ngcell.results.certificate import LIMITS
 from ngcell.scene import Body, BodyCase, BodyScene, Case
 
 Array = NDArray[np.float64]
+
+#: What quadrature rules may miss of the energy, as a share of the accuracy.
+_OF_RULE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +89,9 @@ def _tissue(case: Case) -> Discretisation:
     steady = lumen is not None and keeps_volume(lumen)
     motion, tractions = motion_of(load, space, keeps_volume=steady), load.tractions()
     directions = None if wall.fibres is None else _wall_directions(bodies)
-    terms: list[Term] = [BodyEnergy(space, (wall,) * bodies.body_count, directions)]
+    terms: list[Term] = [
+        BodyEnergy(space, (wall,) * bodies.body_count, directions, may_miss=_may_miss(case.accuracy))
+    ]
     if lumen is not None:
         terms += lumen.terms(space, motion, tissue, wall)
     if tractions:
@@ -99,6 +105,11 @@ def _tissue(case: Case) -> Discretisation:
         prescribed_displacement=load.prescribed_displacement(space),
         terms=tuple(terms),
     )
+
+
+def _may_miss(accuracy: float) -> float:
+    """Return the share of the stored energy that a rule may miss: little beside what is asked for, or what passes."""
+    return min(accuracy, LIMITS["quadrature_error"]) * _OF_RULE
 
 
 def _wall_directions(bodies: BodyMesh) -> Array:
@@ -137,7 +148,9 @@ def _bodies(scene: BodyScene) -> Discretisation:
     ]
     moving = [support for support in given if support.moves]
     motion, laws = PrescribedMotion(space, supports), tuple(body.material for body in scene.bodies)
-    terms: list[Term] = [BodyEnergy(space, laws, _fibre_directions(scene, bodies))]
+    terms: list[Term] = [
+        BodyEnergy(space, laws, _fibre_directions(scene, bodies), may_miss=_may_miss(scene.accuracy))
+    ]
     if scene.loads:
         terms.append(AppliedLoads(space, scene.loads, motion))
     return Discretisation(

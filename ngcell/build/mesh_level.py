@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf
@@ -128,13 +128,19 @@ class Level(Generic[Scene]):
         for minimiser in self._used:
             minimiser.release_matrix()
 
-    def _tied_at(self, displacement: Array, load: float) -> tuple[Minimisers, Minimisers]:
-        """Return the minimiser of the tied solid, after those of smaller bulk moduli: with contact where a body touches
-        itself."""
+    def _tied_at(self, displacement: Array, load: float) -> Iterator[tuple[Minimisers, Minimisers]]:
+        """Yield the minimiser of the tied solid, after those of smaller bulk moduli, and at last the one with contact:
+        that alone where a body touches itself at a displacement."""
         if not has_contact(self._closing, displacement, load):
-            return self._tied[:-1], self._tied[-1:]
-        self._closing[-1].problem.reset()
-        return self._closing[:-1], self._closing[-1:]
+            yield self._tied[:-1], self._tied[-1:]
+        if self._closing:
+            self._closing[-1].problem.reset()
+            yield self._closing[:-1], self._closing[-1:]
+
+    def _passes_itself(self, minimisers: Minimisers, minimum: Minimum, load: float) -> bool:
+        """Return whether a body touches itself in a minimum of the tied solid without contact."""
+        is_open = minimum.is_found and minimisers[-1] is self._tied[-1]
+        return is_open and has_contact(self._closing, minimum.state.displacement, load)
 
     @property
     def has_multipliers(self) -> bool:
@@ -158,7 +164,7 @@ class Level(Generic[Scene]):
         share = mine.options.solver.handed_on if only_leads else None
         if path is not None and is_finished_later:
             share = inf if only_leads else path.options.of_leading
-        for softer, last in [self._tied_at(start, load)] if is_tied else self._attempts(only_leads):
+        for softer, last in self._tied_at(start, load) if is_tied else self._attempts(only_leads):
             effort = spent((*softer, *last))
             self._prepare(softer, last, coarse, start, mine.problem_of(accepted.phase, only_leads=only_leads))
             try:
@@ -168,6 +174,8 @@ class Level(Generic[Scene]):
                 accepted = replace(accepted, effort=accepted.effort + (spent((*softer, *last)) - effort))
                 break
             accepted = replace(accepted, effort=accepted.effort + (spent((*softer, *last)) - effort))
+            if is_tied and self._passes_itself(last, minimum, load):
+                continue
             if minimum.is_found:
                 accepted = replace(accepted, minimum=minimum)
                 problem = mine.problem_of(accepted.phase, only_leads=only_leads)
@@ -264,7 +272,7 @@ class Level(Generic[Scene]):
         """
         minimum, path = found.accepted.minimum, self._released.path
         is_tied, load = found.accepted.phase == "tied", found.accepted.load_factor
-        minimisers = self._tied_at(minimum.state.displacement, load)[1] if is_tied else self._released.minimisers
+        minimisers = next(self._tied_at(minimum.state.displacement, load))[1] if is_tied else self._released.minimisers
         minimiser = minimisers[-1]
         effort = spent((minimiser,))
         length, options = self._released.longest_step, self.simulation.options.solver

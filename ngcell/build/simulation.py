@@ -176,9 +176,9 @@ class Simulation(Problems):
         return within_budget(self.strategy.follow(task, progress), self._budget, progress.load_factor)
 
     def _memory(self, accepted: Accepted) -> dict[str, NDArray[np.generic]]:
-        """Return what terms remember, and where energy went; nothing where there is no history."""
-        if accepted.account is None or not self.problem.has_history:
-            return {}
-        account = accepted.account
+        """Return what terms remember, and where energy went, if there is a history."""
+        memory, account = self.problem.memory(), accepted.account
+        if account is None or not self.problem.has_history:
+            return memory
         names = ("dissipation", "increment", "targets")
-        return {**self.problem.memory(), **{name: np.array(getattr(account, name)) for name in names}}
+        return memory | {name: np.array(getattr(account, name)) for name in names}

@@ -6,7 +6,8 @@ that of walls whose bulk modulus is above `ngcell.mechanics.mixed.INCOMPRESSIBLE
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from math import inf, isfinite
 
 import ngsolve
 import numpy as np
@@ -17,10 +18,18 @@ from ngcell.mechanics.laws.law import HyperelasticLaw, in_three_dimensions
 from ngcell.mechanics.lobatto import lobatto_across
 from ngcell.mechanics.mixed import can_be_mixed, is_incompressible, reduced_measure
 from ngcell.mechanics.space import DisplacementSpace
-from ngcell.mechanics.symbolic import Integrals, SymbolicTerm
-from ngcell.mechanics.term import Configuration, Index
+from ngcell.mechanics.stored import StoredEnergy
+from ngcell.mechanics.symbolic import Integrals, Rule, SymbolicTerm, more_degrees
+from ngcell.mechanics.term import Configuration, Index, Term
 
 Array = NDArray[np.float64]
+
+#: Times that the degree of a rule may be raised.
+_FINEST = 3
+#: What of its volume is left where an element is squeezed flat.
+_FLAT = 0.5
+#: Name of the degrees in the memory of a run.
+_MEMORY = "degrees_of_bodies"
 
 
 class BodyEnergy(SymbolicTerm):
@@ -37,6 +46,8 @@ class BodyEnergy(SymbolicTerm):
         towards which they are; needed where a law has any.
     extra_degrees : int
         Degrees that the rule integrates exactly besides the usual ones.
+    may_miss : float
+        Share of the stored energy that the rule may miss; where it misses more at an equilibrium, a finer one is taken.
     mixed : sequence of bool, optional
         Bodies with the volumetric energy of the mixed method; by default those that are nearly incompressible, where
         the elements allow it.
@@ -49,10 +60,11 @@ class BodyEnergy(SymbolicTerm):
         fibre_direction: Array | None = None,
         *,
         extra_degrees: int = 0,
+        may_miss: float = inf,
         mixed: Sequence[bool] | None = None,
     ) -> None:
         self.space, self.laws = space, tuple(laws)
-        self._direction, self._extra = fibre_direction, extra_degrees
+        self._direction, self._extra, self._may_miss = fibre_direction, extra_degrees, may_miss
         if mixed is None:
             mixed = [is_incompressible(law) for law in self.laws]
             mixed = mixed if any(mixed) and can_be_mixed(space) else [False] * len(mixed)
@@ -73,6 +85,54 @@ class BodyEnergy(SymbolicTerm):
             yield energy.Compile() * ngsolve.dx(definedon=region, bonus_intorder=self._extra)
             if volumetric is not None:
                 yield volumetric.Compile() * reduced_measure(self.space, members)
+
+    @property
+    def rule(self) -> Rule:
+        """Degrees that the rule integrates exactly besides the usual ones."""
+        return (self._extra,)
+
+    def update_multipliers(self, at: Configuration, stored: StoredEnergy) -> tuple[float, float]:
+        """Take a finer rule where the present one misses too much energy in elements that are squeezed flat.
+
+        Between its points they would fold, as in sharp corners that close, and store nothing for it. What a rule misses
+        of volumes that hardly change is none of that: there a finer one locks.
+        """
+        more = more_degrees(self.space)
+        if self._extra >= _FINEST * more or not isfinite(self._may_miss):
+            return 0.0, 0.0
+        found, finer = self.value(at), self.finer_form
+        assert finer is not None  # bodies have one
+        missed = abs(finer.energy(at.displacement) - found)
+        if missed <= self._may_miss * abs(found) or not self._is_squeezed_flat(at.displacement, more):
+            return 0.0, 0.0
+        self._extra += more
+        return self.space.bodies.thickness, missed if isfinite(missed) else abs(found)
+
+    def _is_squeezed_flat(self, displacement: Array, more: int) -> bool:
+        """Return whether J = det F is small at a point of the rule that is exact for so many degrees more."""
+        gradient = ngsolve.Id(self.space.dimension) + ngsolve.Grad(self.space.function(displacement))
+        walls = self.space.mesh.Materials("|".join(self.space.bodies.body_names))
+        measure = ngsolve.dx(definedon=walls, bonus_intorder=self._extra + more)
+        is_small = ngsolve.IfPos(_FLAT - ngsolve.Det(gradient), 1.0, 0.0)
+        return float(ngsolve.Integrate(is_small * measure, self.space.mesh)) > 0
+
+    def memory(self) -> dict[str, Array]:
+        """Return the degrees, where they are more than usual."""
+        return {_MEMORY: np.array([self._extra])} if self._extra else {}
+
+    def recall(self, memory: Mapping[str, Array]) -> None:
+        """Take the degrees up again."""
+        self._extra = int(memory[_MEMORY][0]) if _MEMORY in memory else 0
+
+    def start_from(self, before: Term, at: Configuration) -> None:
+        """Start with the rule of the stage before, if that is finer."""
+        assert isinstance(before, BodyEnergy)
+        self._extra = max(self._extra, before._extra)
+
+    def refine(self, coarse: Term, at: Configuration) -> None:
+        """Start with the rule of the coarser mesh."""
+        assert isinstance(coarse, BodyEnergy)
+        self._extra = coarse._extra
 
     def finer(self, extra_degrees: int) -> BodyEnergy:
         """Return the energy by a rule of higher order; the volumetric one of the mixed method stays."""
@@ -115,7 +175,8 @@ class BodyEnergy(SymbolicTerm):
 
     def softened(self, ratio: float) -> BodyEnergy:
         """Return the energy with bulk moduli of at most `ratio` times the shear moduli."""
-        return BodyEnergy(self.space, [law.softened(ratio) for law in self.laws], self._direction, mixed=self.mixed)
+        softer = [law.softened(ratio) for law in self.laws]
+        return BodyEnergy(self.space, softer, self._direction, may_miss=self._may_miss, mixed=self.mixed)
 
 
 class InclusionEnergy(SymbolicTerm):

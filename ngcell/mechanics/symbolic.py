@@ -31,6 +31,7 @@ from ngcell.mechanics.term import Configuration, Index, Term
 
 Array = NDArray[np.float64]
 Integrals = Iterable[ngsolve.comp.SumOfIntegrals]
+Rule = tuple[int, ...]
 
 
 class _Threads:
@@ -134,6 +135,8 @@ class SymbolicTerm(Term):
     """
 
     space: DisplacementSpace
+    _formed: tuple[Rule, EnergyForm] | None = None
+    _finer: tuple[Rule, SymbolicTerm | None] | None = None
 
     @abstractmethod
     def integrals(self, displacement: ngsolve.CoefficientFunction) -> Integrals:
@@ -148,15 +151,25 @@ class SymbolicTerm(Term):
         """Return the term integrated by a rule of higher order; None where its own rule is not to be judged."""
         return None
 
-    @cached_property
-    def form(self) -> EnergyForm:
-        """The term by itself."""
-        return EnergyForm(self.space, self.integrals)
+    @property
+    def rule(self) -> Rule:
+        """Degrees that the rule of each part integrates exactly besides the usual ones: they grow where a rule turns
+        out too coarse."""
+        return (0,)
 
-    @cached_property
+    @property
+    def form(self) -> EnergyForm:
+        """The term by itself, by its present rule."""
+        if self._formed is None or self._formed[0] != self.rule:
+            self._formed = (self.rule, EnergyForm(self.space, self.integrals))
+        return self._formed[1]
+
+    @property
     def finer_form(self) -> EnergyForm | None:
         """The term by itself, by a rule that integrates polynomials of twice the usual degree exactly, or more."""
-        term = self.finer(2 * self.space.order + 2)
+        if self._finer is None or self._finer[0] != self.rule:
+            self._finer = (self.rule, self.finer(max(self.rule) + more_degrees(self.space)))
+        term = self._finer[1]
         return None if term is None else term.form
 
     def value(self, at: Configuration) -> float:
@@ -195,6 +208,11 @@ class SymbolicSum(SymbolicTerm):
         """Return the integrals of all parts."""
         return [integral for part in self.parts for integral in part.integrals(displacement)]
 
+    @property
+    def rule(self) -> Rule:
+        """The rules of all parts."""
+        return tuple(extra for part in self.parts for extra in part.rule)
+
     def beyond_integrals(self, displacement: Array) -> Array | None:
         """Return what the gradients of the parts have besides."""
         found = [part.beyond_integrals(displacement) for part in self.parts]
@@ -229,6 +247,11 @@ class OwnEnergy(SymbolicTerm):
         """Return the integrals that the script gives."""
         given = self._integrals(displacement, self.space.mesh)
         return given if isinstance(given, (list, tuple)) else [given]
+
+
+def more_degrees(space: DisplacementSpace) -> int:
+    """Return by how many degrees the next finer rule is exact beyond a rule."""
+    return 2 * space.order + 2
 
 
 def parts_of(terms: Sequence[Any]) -> tuple[Any, ...]:

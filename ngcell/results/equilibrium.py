@@ -130,6 +130,7 @@ def numbers_of(setup: Setup, problem: Problem, state: State, proximal: Held, to_
     force = max(scales.force, float(balance.forces.normal.max(initial=0.0)))
     mean, largest = mean_and_largest(setup.facing, balance.gap, held)
     overlap_work = problem.overlap_work(state.at)
+    between = sum(term.overlap_work(state.at) for term in problem.terms if term.overlap(state.at) is not None)
     return Numbers(
         potential=state.energy,
         energy=energy,
@@ -139,7 +140,7 @@ def numbers_of(setup: Setup, problem: Problem, state: State, proximal: Held, to_
         largest_gap=largest,
         scales=(scales.energy, force, ONSET * _thinnest(setup, problem)),
         besides=overlap_work + proximal_energy + quadrature_error(problem.terms, state.at) + max(to_fall, 0.0),
-        overlap=overlap_work / max(float(balance.forces.normal.sum()), force * _NO_FORCE),
+        overlap=between / max(float(balance.forces.normal.sum()), force * _NO_FORCE),
         gaps=gaps_of_pairs(setup.facing, balance.gap, balance.free_bodies),
         utilisation=0.0 if setup.strength is None else setup.strength.utilisation(problem.terms, displacement).largest,
         pulled=float(np.linalg.norm(problem.resultants(pull).sum(0))),

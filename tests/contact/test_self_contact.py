@@ -118,6 +118,32 @@ def test_an_open_lumen_has_no_contact_and_takes_no_room_in_the_matrix(shear):
     assert len(row) == 1 and row == column
 
 
+def hinged(tissue: SmallTissue, angle: float) -> np.ndarray:
+    """A cell whose right half turns about a corner of its lumen, near which the two walls close by an angle."""
+    x, y = tissue.space.rest
+    one = tissue.space.one > 0
+    inner = Lumens(tissue).surface.rest[:, 0]
+    corner = inner[np.argmax(inner[:, 1])]
+    away = np.array([x, y])[:, one] - corner[:, None]
+    turned = np.clip(np.arctan2(away[0], -away[1]) / np.radians(60), -1, 1) * -angle / 2
+    moved = np.zeros((2, tissue.space.size))
+    moved[0, one] = np.cos(turned) * away[0] - np.sin(turned) * away[1] - away[0]
+    moved[1, one] = np.sin(turned) * away[0] + np.cos(turned) * away[1] - away[1]
+    return moved.ravel()
+
+
+def test_a_corner_that_closes_like_a_hinge_touches_itself():
+    tissue = small_tissue(1, 1, order=2, edges=6, wall=0.1)
+    lumens = Lumens(tissue)
+    term = lumens.term
+    for angle in (0.0, 60.0):
+        assert term.found(lumens.contact.at(hinged(tissue, np.radians(angle))).at) is None
+    for angle in (100.0, 119.0):
+        assert term.found(lumens.contact.at(hinged(tissue, np.radians(angle))).at) is not None
+    assert lumens.contact.at(hinged(tissue, np.radians(110.0))).energy == 0
+    assert lumens.contact.at(hinged(tissue, np.radians(130.0))).energy > 0
+
+
 def test_lumens_of_two_cells_have_nothing_to_do_with_each_other():
     tissue = cell(cells=2)
     lumens = Lumens(tissue)

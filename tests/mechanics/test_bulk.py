@@ -7,9 +7,13 @@ import pytest
 
 from ngcell.mechanics.bulk import BodyEnergy
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
+from ngcell.mechanics.stored import StoredEnergy
+from ngcell.mechanics.symbolic import SymbolicSum
 from tests.mechanics.test_hyperelastic import stored_energy
-from tests.tissues import LAW, small_tissue
+from tests.tissues import LAW, SmallTissue, small_tissue
 
+#: Nobody asks for it.
+NO_STORED = StoredEnergy(lambda: (np.zeros(0), 0.0))
 STEPS = np.array([4e-3, 2e-3, 1e-3])
 
 
@@ -72,3 +76,56 @@ def test_an_inverted_element_has_no_energy():
     tissue = small_tissue(1, 1)
     mirrored = tissue.space.affine(np.diag([-2.0, 0.0]), np.zeros(2)).ravel()
     assert np.isnan(tissue.bulk.form.energy(mirrored))
+
+
+def squeezed(tissue: SmallTissue, by: float, rate: float = 6.0) -> np.ndarray:
+    """A displacement that squeezes bands of the walls to `1 - by` of their volume, and stretches those between."""
+    x, _ = tissue.space.rest
+    moved = np.zeros((2, tissue.space.size))
+    moved[0] = by / rate * np.sin(rate * x) * (tissue.space.one > 0)
+    return moved.ravel()
+
+
+def test_a_rule_that_misses_energy_of_squeezed_elements_becomes_finer():
+    tissue = small_tissue(1, 1, order=3, edges=2)
+    bulk = BodyEnergy(tissue.space, [LAW], may_miss=1e-7)
+    total, at = SymbolicSum([bulk]), tissue.space.configuration(squeezed(tissue, 0.8))
+    exact = bulk.finer(40).value(at)
+    usual = total.value(at)
+    missed, energy = bulk.update_multipliers(at, NO_STORED)
+    assert missed > 0 and energy == pytest.approx(abs(bulk.finer(8).value(at) - usual))
+    assert abs(usual - exact) > 1e-7 * exact > 10 * abs(total.value(at) - exact)
+    assert bulk.update_multipliers(at, NO_STORED) == (0.0, 0.0)
+    way, step = tissue.smooth(1.0, 2), 1e-6
+    ahead, behind = (tissue.space.configuration(at.displacement + h * way) for h in (step, -step))
+    assert total.gradient(at) @ way == pytest.approx((total.value(ahead) - total.value(behind)) / (2 * step), rel=1e-6)
+
+
+def test_a_rule_stays_where_no_element_is_squeezed_flat():
+    """What it misses of volumes that hardly change is locking."""
+    tissue = small_tissue(1, 1, order=2, edges=2)
+    bulk = BodyEnergy(tissue.space, [LAW], may_miss=1e-7)
+    rough = 1e-3 * np.random.default_rng(1).standard_normal(tissue.space.unknowns)
+    at = tissue.space.configuration(rough)
+    assert abs(bulk.finer(20).value(at) / bulk.value(at) - 1) > 1e-7
+    assert bulk.update_multipliers(at, NO_STORED) == (0.0, 0.0) and bulk.rule == (0,)
+
+
+def test_a_finer_rule_is_remembered_and_handed_on():
+    tissue = small_tissue(1, 1, order=3, edges=2)
+    space, flat = tissue.space, tissue.space.configuration(squeezed(tissue, 0.8))
+    bulk, other = (BodyEnergy(space, [LAW], may_miss=1e-7) for _ in range(2))
+    assert bulk.memory() == {}
+    bulk.update_multipliers(flat, NO_STORED)
+    finer = bulk.rule
+    assert finer > (0,)
+    other.recall(bulk.memory())
+    assert other.rule == finer
+    other.recall({})
+    assert other.rule == (0,)
+    other.start_from(bulk, flat)
+    assert other.rule == finer
+    bulk.refine(BodyEnergy(space, [LAW]), flat)  # a step depends on what the coarser mesh found, and no other
+    assert bulk.rule == (0,)
+    other.start_from(bulk, flat)
+    assert other.rule == finer

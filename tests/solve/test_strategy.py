@@ -279,3 +279,23 @@ class TestHalving:
         assert failure.value.outcome is outcome
         assert fake.asked == [0.5 + 0.5 * 0.5**halving for halving in range(MOST_HALVINGS + 1)]
         assert failure.value.load_factor == fake.asked[-1]
+
+
+def test_walls_that_no_path_from_the_lifting_frees_are_released_from_the_tied_state():
+    tied, asked = np.array([3.0]), []
+
+    def step(start: np.ndarray, centre: np.ndarray, load: float) -> Accepted:
+        asked.append((float(start[0]), float(centre[0]), load))
+        if centre[0] != tied[0]:
+            raise StepFailed(Outcome.RELEASE_FAILED, load)
+        state = SimpleNamespace(displacement=start, energy=0.0)
+        minimum = Minimum(state, Ending.CONVERGED, 0.0, ProximalTerm(0, centre))
+        return Accepted("released", load, minimum, Effort())
+
+    fake = FakeMinimiser(stride=1.0)
+    problem = SimpleNamespace(reset=lambda: None, has_history=False)
+    problems = SimpleNamespace(tied=(fake,), closing=(), released=SimpleNamespace(step=step, problem=problem))
+    progress = Progress(accepted=1, load_factor=1.0, displacement={"tied": tied})
+    (last,) = Sddp().follow(Task(problems, FakeMotion(), [1.0], [1.0]), progress)
+    assert asked == [(3.0, 1.0, 1.0), (3.0, 3.0, 1.0)]
+    assert last.minimum.state.displacement == tied

@@ -42,9 +42,9 @@ class Closing:
     def lumens(self, nodes: Array) -> NDArray[np.bool_]:
         """Return which lumens close, shape (loops,), at deformed nodes (edges, nodes, 2)."""
         if self._open_at is not None and np.abs(nodes - self._open_at).max() <= self._margin / 2:
-            return np.zeros(len(self._lumens.body_of_loop), dtype=bool)
+            return self._lumens.closing_at_corners(nodes)
         self._open_at = None
-        if not self._lumens.closing(nodes, _DIAGONAL * self._margin).any():
+        if not self._lumens.closing_across(nodes, _DIAGONAL * self._margin).any():
             self._open_at = nodes
         return self._lumens.closing(nodes, 0.0)
 
@@ -67,6 +67,8 @@ class LumenSearch(PairSearch):
 
 def near_in_closing(lumens: LumenSurface, nodes: Array, reach: Reach, margin: float) -> tuple[Index, Index]:
     """Return ordered pairs of edges nearer than reach and margin [length], in lumens that may close within the margin.
+
+    Corners are seen as they close, and not before.
     """
     closes = lumens.closing(nodes, _DIAGONAL * margin)
     if not closes.any():

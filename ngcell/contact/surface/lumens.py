@@ -33,6 +33,9 @@ _FAR = 4.0
 #: Way along a lumen, in thicknesses and as a share of the whole way round, from which on two points that get near each
 #: other tell that it closes.
 _ALONG, _QUARTER = 6.0, 0.25
+#: Way to both sides of a corner, in thicknesses, within which it may close; and the distance of two points there over
+#: the way between them, and over that at rest, below which it does: at a third of the angle of a hexagon.
+_BESIDE, _HINGE, _SHUT = 3.0, 0.3, 0.5
 #: Points of a lumen that are looked at for that are this far apart at most, in thicknesses.
 _SPACING = 0.5
 
@@ -61,10 +64,23 @@ class LumenSurface(EdgeSurface):
         return np.asarray(same & ~is_near & ((ahead > -_BEHIND * distance) | (distance > _FAR * thickness)))
 
     def closing(self, nodes: Array, reach: float) -> NDArray[np.bool_]:
-        """Return which lumens close: those whose walls are nearer than the thickness and `reach` [length] across.
+        """Return which lumens close: at a corner, or where walls are nearer than the thickness and `reach` [length].
 
         `nodes` are deformed positions of shape (edges, nodes, 2); the result has shape (loops,).
         """
+        return self.closing_across(nodes, reach) | self.closing_at_corners(nodes)
+
+    def closing_at_corners(self, nodes: Array) -> NDArray[np.bool_]:
+        """Return which lumens have a corner that closes like a hinge."""
+        share, _ = self._samples
+        one, two, along, at_rest = self._beside_corners
+        point = (self.basis.values(share) @ nodes).reshape(-1, 2)
+        is_near = np.linalg.norm(point[one] - point[two], axis=1) < np.minimum(_HINGE * along, _SHUT * at_rest)
+        loop = np.repeat(self.body, len(share))[one[is_near]]
+        return np.bincount(loop, minlength=len(self.body_of_loop)) > 0
+
+    def closing_across(self, nodes: Array, reach: float) -> NDArray[np.bool_]:
+        """Return which lumens close far from corners."""
         share, places = self._samples
         point = (self.basis.values(share) @ nodes).reshape(-1, 2)
         one, two = near_pairs(point, float(self.thickness.max()) + reach)
@@ -137,6 +153,23 @@ class LumenSurface(EdgeSurface):
         between = self._start[last] - self._start[first] - self._lengths[first]
         around = self._length[self.body[one]] - between - self._lengths[first] - self._lengths[last]
         return np.asarray(np.minimum(between, around))
+
+    @cached_property
+    def _beside_corners(self) -> tuple[Index, Index, Array, Array]:
+        """Samples on both sides of each corner, the ways along the loop between them, and their distances at rest
+        [length]."""
+        share, places = self._samples
+        corner = np.flatnonzero(self._has_corner_before)
+        loop = np.repeat(self.body, len(share))
+        wide, around = _BESIDE * self.thickness[self.body[corner]], self._length[self.body[corner]]
+        ahead = (places - self._start[corner, None]) % around[:, None]
+        mine = loop == self.body[corner, None]
+        after, before = mine & (ahead < wide[:, None]), mine & (around[:, None] - ahead < wide[:, None])
+        pairs = [np.argwhere(np.outer(*sides)) for sides in zip(before, after, strict=True)]
+        one, two = np.concatenate([np.zeros((0, 2), dtype=np.int64), *pairs]).T
+        along = (places[two] - places[one]) % self._length[loop[one]]
+        point = (self.basis.values(share) @ self.rest).reshape(-1, 2)
+        return one, two, along, np.linalg.norm(point[one] - point[two], axis=1)
 
     @cached_property
     def _samples(self) -> tuple[Array, Array]:

@@ -5,6 +5,7 @@ knows no contact until a body touches itself, as where lumens close. Tied states
 follow each other; every release starts from its own tied state, so a level does not depend on the levels before it. The
 centre of the continuation is the lifting of the load, as for all strategies, and the tied state where the load has
 none: which released equilibrium is found depends on the load, and the energy of the tied state bounds its energy.
+Where no path leads from the lifting, as when walls are squeezed to half, the tied state is the centre, too.
 
 References
 ----------
@@ -14,6 +15,7 @@ J. Eng. Math. 2017.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Literal
@@ -33,6 +35,8 @@ from ngcell.solve.step import MOST_HALVINGS, Accepted, Account, StepFailed, next
 from ngcell.solve.strategies.strategy import Progress, Task
 
 Array = NDArray[np.float64]
+
+_log = logging.getLogger(__name__)
 
 
 class Sddp(Section):
@@ -67,7 +71,14 @@ def _released_step(task: Task, tied: Array, target: float) -> Accepted:
     start = problem.expand(tied)
     centre = task.motion.lifting(target) if task.motion.has_lifting else start
     released.problem.reset()
-    step = released.step(start, centre, target)
+    try:
+        step = released.step(start, centre, target)
+    except StepFailed:
+        if centre is start:
+            raise
+        _log.info("no path leads from the lifting; walls are released from the tied state")
+        released.problem.reset()
+        step = released.step(start, start, target)
     return _with_loss(released, step, problem.at(tied).energy) if released.problem.has_history else step
 
 
