@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from hashlib import sha256
 from importlib import metadata
+from math import hypot
 from pathlib import Path
 from time import monotonic, perf_counter, process_time
 from typing import Any
@@ -28,6 +29,7 @@ from ngcell.export import Restart, ResultFolder, cannot_resume
 from ngcell.mechanics.symbolic import assembly_threads
 from ngcell.results.record import StepRecord
 from ngcell.results.report import StepReport
+from ngcell.results.verdict import with_error
 from ngcell.scene import AnyCase, BodyScene, resolved_toml
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.step import StepFailed
@@ -173,7 +175,7 @@ class Recording:
                     message = f"at load factor {failure.load_factor:.6g}: {outcome.value}"
                 except OutOfTime:
                     outcome = Outcome.OUT_OF_TIME
-                    message = f"beyond load factor {reached(steps):.6g}: {outcome.value}"
+                    message = f"beyond load factor {reached(steps):.6g}: {outcome.value}{_on_the_way(simulation)}"
             self._judge(steps, outcome)
             with clock.phase("pictures"):
                 folder.draw(title=self._case.title, certified=self.certified, onset=onset_of_growth(simulation, steps))
@@ -228,6 +230,18 @@ def recorded_text(case: AnyCase | BodyScene, additions: Additions) -> str:
     """Return what `case.toml` says of a run: the case, and as comments the file of its tissue and what a script added.
     """
     return resolved_toml(case) + file_told(case) + additions.told
+
+
+def _on_the_way(simulation: Simulation) -> str:
+    """Return what the last mesh of a step told that is not finished; empty where there was none."""
+    if simulation.refinement.on_the_way is None:
+        return ""
+    mesh, found, errors = simulation.refinement.on_the_way
+    plate = hypot(*found.plate_force)
+    told = {"energy": found.energy, "mean gap": found.mean_gap, "plate force": plate}
+    known = {"energy": errors.energy, "mean gap": errors.mean_gap, "plate force": errors.plate_force}
+    numbers = ", ".join(f"{name} {with_error(value, known[name])}" for name, value in told.items())
+    return f"; on mesh {mesh}, not accepted: {numbers}"
 
 
 def file_told(case: AnyCase | BodyScene) -> str:

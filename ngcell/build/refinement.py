@@ -46,12 +46,15 @@ class Refinement(Generic[Scene]):
     ----------
     estimates : bool
         Whether errors are to be estimated, also where the machine has no room for the finer mesh that it takes.
+    on_the_way : tuple of int, Numbers and Errors, optional
+        The mesh that the present step has come to, and what it told; None before there is one.
     """
 
     def __init__(self, base: Scene, stages: Sequence[Stage], build: Callable[[Stage], Scene], accuracy: float) -> None:
         self._stages, self._build, self._accuracy = list(stages), build, accuracy
         self.estimates = len(self._stages) > 1
         self._levels = [Level(base)]
+        self.on_the_way: tuple[int, Numbers, Errors] | None = None
 
     def table(self) -> tuple[dict[str, int], ...]:
         """Return order, grading and unknowns of the meshes that were used, the coarsest first."""
@@ -78,6 +81,7 @@ class Refinement(Generic[Scene]):
 
         It depends on the step alone, not on the meshes of steps before it, of which no matrix is kept.
         """
+        self.on_the_way = None
         try:
             return self._refined_and_stable(accepted)
         finally:
@@ -115,6 +119,7 @@ class Refinement(Generic[Scene]):
             last = finer
             errors = estimate(found, refined, meant=found[-1].without_contact if last.only_leads else found[-1])
             _log.info("mesh %d: energy %.6e, estimated error %.1e", last.level, found[-1].energy, errors.relative)
+            self.on_the_way = (last.level, found[-1], errors)
             settles, is_fine = is_slipping and last.level == _SETTLED_ON, last.level > _SETTLED_ON
             if is_judged and errors.relative > self._accuracy and not settles:
                 continue

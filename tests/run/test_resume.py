@@ -20,7 +20,9 @@ from click.testing import CliRunner, Result
 
 import ngcell
 from ngcell import clock
+from ngcell.build.refinement import Refinement
 from ngcell.cli import ngcell as command
+from ngcell.clock import OutOfTime
 from ngcell.errors import OutputError
 from ngcell.run import resume
 
@@ -29,6 +31,7 @@ TISSUE += ["load.levels=[0.4, 1.0]"]
 PRISMS = ["tissue.rows=1", "tissue.cols=2", "tissue.height=0.4", "mesh.order=2", "load.displacement=[0.2, 0.0]"]
 BONDED = [*TISSUE, "cohesion.strength=0.01", "cohesion.energy=0.0001", 'strategy.kind="load-stepping"']
 REFINED = ["tissue.rows=2", "tissue.cols=2", "accuracy=0.05", "load.displacement=[0.3, 0.0]", "load.levels=[0.4, 1.0]"]
+SQUEEZED = ["tissue.rows=1", "tissue.cols=1", "accuracy=inf", 'load={kind="frame", shear=3.0, levels=[1.0]}']
 #: Cases, their settings and their number of accepted steps.
 RUNS = {
     "sddp": ("shear-empty-3x3", [*TISSUE, "strategy.steps=4"], 6),
@@ -36,6 +39,7 @@ RUNS = {
     "prisms": ("shear-empty-3x3", [*PRISMS, "load.levels=1", "accuracy=inf"], 2),
     "refined": ("shear-empty-3x3", [*REFINED, "material.strength=0.001"], 4),
     "refined mortar": ("shear-empty-3x3", [*REFINED, 'strategy.kind="single-step"', 'contact.kind="mortar"'], 2),
+    "finer rule": ("shear-empty-3x3", SQUEEZED, 2),
     "incremental": ("parting-rings", ["steps=4", "accuracy=inf"], 4),
 }
 
@@ -289,6 +293,23 @@ def test_a_run_out_of_time_keeps_its_steps_and_is_resumed(whole, tmp_path, monke
     monkeypatch.undo()
     list(resume(out))
     assert_same_result(out, whole)
+
+
+def test_a_run_out_of_time_tells_what_the_last_mesh_found(tmp_path, monkeypatch):
+    """Nothing of it is accepted: resumed, the step is taken anew."""
+    refined, out = Refinement._next, tmp_path / "out"
+
+    def once(self, coarse):
+        if coarse.level == 1:
+            raise OutOfTime
+        return refined(self, coarse)
+
+    monkeypatch.setattr(Refinement, "_next", once)
+    case = ngcell.read_case("shear-empty-3x3", ["load.levels=1", "accuracy=0.003"])
+    told = r"; on mesh 1, not accepted: energy 0\.00\d+ ± \d+ %, mean gap"
+    with pytest.raises(ngcell.NotConverged, match=told) as ended:
+        list(ngcell.record(case, out))
+    assert "plate force" in str(ended.value) and [step.record.phase for step in ended.value.steps] == ["tied"]
 
 
 def test_no_time_is_refused():

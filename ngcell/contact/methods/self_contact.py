@@ -28,7 +28,7 @@ from ngcell.mechanics.term import Configuration, OneSided, Role, Term
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-_MEMORY = "penalty_in_lumens_"
+_MEMORY = "lumens_penalty_"
 _MEANING = {
     "self_overlap_over_wall": "deepest overlap of a lumen's walls, as their contact sees it, over the thickness",
     "self_complementarity": "integral of the contact pressure within lumens times gap over the stored energy",
