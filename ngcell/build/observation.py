@@ -153,7 +153,7 @@ class Observer:
         at = view.state.at
         before, gaps = step.checkpoint.onsets, pair_gaps(facing, measured.gap)
         follow = PairOnsets.starting if before is None else before.after
-        onsets = follow(record.plate_displacement, gaps, facing.thickness)
+        onsets = follow(record.place_on_path, gaps, facing.thickness)
         gap, pressure = wall_fields(self._setup.walls, facing, view.problem, at)
         pressed = pressed_lengths(self._setup.walls, facing.pairs, view.problem, at)
         held = self._of_all_bodies(cell_fields(view.problem.terms, at, record.load_factor))

@@ -112,11 +112,11 @@ def _onset_is_a_bound(simulation: Simulation, steps: list[StepReport]) -> bool:
     """Return whether gaps had grown at the first level already, and nobody knows how much earlier."""
     contact, onset = _released(steps), onset_of_growth(simulation, steps)
     starts_later = bool(contact) and contact[0].load_factor > 0 and not simulation.starts_at_rest
-    return starts_later and onset == contact[0].plate_displacement
+    return starts_later and onset == contact[0].place_on_path
 
 
 def onset_of_growth(simulation: Simulation, steps: list[StepReport]) -> float | None:
-    """Return the plate displacement at which gaps start to grow [length]; None where they do not."""
+    """Return the place on the load path at which gaps start to grow; None where they do not."""
     contact = _released(steps)
-    displacement, mean = [row.plate_displacement for row in contact], [row.mean_gap for row in contact]
-    return growth_onset(displacement, mean, simulation.bodies.thickness, at_rest=simulation.mean_gap_at_rest)
+    place, mean = [row.place_on_path for row in contact], [row.mean_gap for row in contact]
+    return growth_onset(place, mean, simulation.bodies.thickness, at_rest=simulation.mean_gap_at_rest)

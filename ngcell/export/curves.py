@@ -40,7 +40,7 @@ def draw_curves(history: Sequence[StepRecord], path: Path, *, certified: bool, o
         Whether the result passed every check; if not, the picture says so, and rings mark the steps that
         failed.
     onset : float, optional
-        Plate displacement at which gaps start to grow; see `ngcell.results.growth`.
+        Place on the load path at which gaps start to grow; see `ngcell.results.growth`.
 
     Returns
     -------
@@ -92,10 +92,8 @@ def released_steps(history: Iterable[StepRecord]) -> list[StepRecord]:
 
 def load_axis(rows: Sequence[StepRecord]) -> tuple[NDArray[np.float64], str]:
     """Return the load at each step and its name: the plate displacement or, if no plate moves, the load factor."""
-    displacement = np.array([row.plate_displacement for row in rows])
-    if displacement.any():
-        return displacement, "plate displacement"
-    return np.array([row.load_factor for row in rows]), "load factor"
+    moves = any(row.plate_displacement for row in rows)
+    return np.array([row.place_on_path for row in rows]), "plate displacement" if moves else "load factor"
 
 
 def _canvas(load_name: str) -> tuple[Figure, Axes, Axes]:

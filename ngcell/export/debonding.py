@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-#: The two cells of a wall pair, and the plate displacement at which it opened, NaN if it has not.
+#: The two cells of a wall pair, and where on the load path it opened, NaN if it has not.
 PairOnset = tuple[int, int, float]
 
 _SIZE = (10.4, 4.6)  # of the figure [inch]
@@ -54,8 +54,8 @@ def draw_debonding(
     history : sequence of StepRecord
         The accepted steps, at least one of them released.
     pairs : sequence of (int, int, float)
-        The wall pairs at the last level: two cells, and the plate displacement at which their walls opened, NaN if
-        they have not.
+        The wall pairs at the last level: two cells, and the plate displacement, or load factor where no plate moves, at
+        which their walls opened, NaN if they have not.
     cells : Grid
         The bodies, with `cell_id`.
     path : Path
@@ -96,7 +96,7 @@ def draw_debonding(
         axes.legend(frameon=False, fontsize=9, labelcolor=INK)
     share.tick_params(labelbottom=False)
     components.set_xlabel(name, color=INK)
-    _draw_plan(figure, plan, pairs, cells, size)
+    _draw_plan(figure, plan, pairs, cells, size, name)
     _draw_ends(plan, cells, ends, size)
     if not certified:
         mark_uncertified(figure)
@@ -146,7 +146,9 @@ def _draw_ends(axes: Axes, cells: Grid, ends: Sequence[str], size: CellSize) -> 
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.01), ncols=3, **style)
 
 
-def _draw_plan(figure: Figure, axes: Axes, pairs: Sequence[PairOnset], cells: Grid, size: CellSize) -> None:
+def _draw_plan(
+    figure: Figure, axes: Axes, pairs: Sequence[PairOnset], cells: Grid, size: CellSize, load: str
+) -> None:
     """Draw the common wall of each pair; those that have not opened dotted and in grey.
 
     Layers of prisms are laid out side by side, the lowest first; a wall between two layers is a dot in the lower one.
@@ -163,7 +165,8 @@ def _draw_plan(figure: Figure, axes: Axes, pairs: Sequence[PairOnset], cells: Gr
     walls = wall_lines(cells, np.column_stack([first, second])[level])
     number = np.repeat(np.flatnonzero(level), [len(wall) for wall in walls])
     lines = np.concatenate([np.zeros((0, 2, 2)), *walls])
-    scale = Normalize(*((onset[opened].min(), onset[opened].max()) if opened.any() else (0.0, 1.0)))
+    earliest, latest = (onset[opened].min(), onset[opened].max()) if opened.any() else (0.0, 1.0)
+    scale = Normalize(earliest if earliest < latest else 0.0, latest or 1.0)
     shown = ScalarMappable(scale, "plasma_r")
     colour = np.where(opened[:, None], shown.to_rgba(onset), to_rgba(_CLOSED))
     for which, style in ((~opened, (0, (0.1, 2.8))), (opened, "solid")):
@@ -179,7 +182,7 @@ def _draw_plan(figure: Figure, axes: Axes, pairs: Sequence[PairOnset], cells: Gr
     axes.set_title(f"{int(opened.sum())} of {len(pairs)} wall pairs have opened{others}", fontsize=10.5, color=INK)
     if opened.any():
         bar = figure.colorbar(shown, cax=figure.add_axes(_BAR_PANEL))
-        bar.set_label("opened at plate displacement", color=INK, labelpad=7)
+        bar.set_label(f"opened at {load}", color=INK, labelpad=7)
         bar.outline.set(edgecolor=SOFT_INK, linewidth=0.8)
 
 

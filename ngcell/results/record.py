@@ -101,6 +101,11 @@ class StepRecord:
     largest_gap_error: float = nan
     more: Mapping[str, float] = field(default_factory=dict)
 
+    @property
+    def place_on_path(self) -> float:
+        """The plate displacement [length]; the load factor under a load that moves no plate."""
+        return self.plate_displacement or self.load_factor
+
 
 @dataclass(frozen=True, slots=True)
 class WallRecord:
@@ -125,8 +130,8 @@ class WallRecord:
     component : int
         Number of the connected component of cells that `cell_a` belongs to.
     onset : float
-        Plate displacement at which the pair's mean gap first reached 5 % of the wall's thickness [length]; NaN where it
-        has not.
+        Plate displacement [length], or load factor where no plate moves, at which the pair's mean gap first reached 5 %
+        of the wall's thickness; NaN where it has not.
     normal_force : float
         Sum of the magnitudes of the normal contact forces between the two, wherever they touch
         [stress * length**2], >= 0.

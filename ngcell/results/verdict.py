@@ -164,9 +164,13 @@ def came_apart(summary: Summary) -> str:
 
 def _onset(summary: Summary) -> Iterator[str]:
     onset, last = summary.get("onset_of_growth"), summary.get("last_step") or {}
-    if onset is not None and last.get("plate_displacement"):
+    if onset is not None and last:
         bound = "no later than " if summary.get("onset_is_a_bound") else ""
-        yield f"gaps grow from {bound}plate displacement {onset:.3g}"
+        yield f"gaps grow from {bound}{_axis(last)} {onset:.3g}"
+
+
+def _axis(step: Mapping[str, Any]) -> str:
+    return "plate displacement" if step.get("plate_displacement") else "load factor"
 
 
 def _count(number: int, thing: str) -> str:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import csv
+from math import isfinite
+
 import pytest
 
 import ngcell
@@ -33,6 +36,17 @@ def test_the_onset_is_within_the_first_interval_however_many_levels_there_are(tm
     assert first.mean_gap > 0.05 * 0.1
     assert summary["onset_of_growth"] == first.plate_displacement
     assert summary["onset_is_a_bound"] == (first.load_factor > 0)
+
+
+def test_where_no_plate_moves_the_load_factor_tells_when_walls_open(tmp_path):
+    overrides = ["tissue.rows=2", "tissue.cols=2", "mesh.order=2", 'load={kind="frame", shear=1.0, levels=2}']
+    released, summary = recorded(tmp_path, overrides)
+    assert all(row.plate_displacement == 0 for row in released)
+    assert 0 < summary["onset_of_growth"] <= 1 and not summary["onset_is_a_bound"]
+    with (tmp_path / "out" / "walls.csv").open(newline="", encoding="utf-8") as file:
+        onsets = [float(row["onset"]) for row in csv.DictReader(file) if row["load_factor"] == "1.0"]
+    opened = [onset for onset in onsets if isfinite(onset)]
+    assert opened and all(0 < onset <= 1 for onset in opened)
 
 
 def test_a_path_may_start_with_a_level_without_load(tmp_path):

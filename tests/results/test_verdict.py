@@ -98,5 +98,6 @@ def test_what_came_apart_is_one_sentence() -> None:
         "gaps grow from plate displacement 0.123"
     )
     assert "no later than" in came_apart(table | {"onset_is_a_bound": True})
-    assert "grow" not in came_apart(table | {"last_step": LAST | {"plate_displacement": 0.0}})
+    assert came_apart(table | {"last_step": LAST | {"plate_displacement": 0.0}}).endswith("from load factor 0.123")
+    assert "grow" not in came_apart(table | {"onset_of_growth": None})
     assert came_apart(run()) == ""
