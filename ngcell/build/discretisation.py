@@ -30,8 +30,9 @@ from ngcell.scene import Body, BodyCase, BodyScene, Case
 
 Array = NDArray[np.float64]
 
-#: What quadrature rules may miss of the energy, as a share of the accuracy.
-_OF_RULE = 0.1
+#: What quadrature rules may miss of the energy before finer ones follow, as a share of what passes. The energy jumps
+#: then, and the account of work with it.
+_OF_RULE = 0.8
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +109,7 @@ def _tissue(case: Case) -> Discretisation:
 
 
 def _may_miss(accuracy: float) -> float:
-    """Return the share of the stored energy that a rule may miss: little beside what is asked for, or what passes."""
+    """Return the share of the stored energy that a rule may miss: less than what is asked for, and than what passes."""
     return min(accuracy, LIMITS["quadrature_error"]) * _OF_RULE
 
 

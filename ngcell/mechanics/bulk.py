@@ -24,12 +24,12 @@ from ngcell.mechanics.term import Configuration, Index, Term
 
 Array = NDArray[np.float64]
 
-#: Times that the degree of a rule may be raised.
+#: Times that a rule may be made finer.
 _FINEST = 3
 #: What of its volume is left where an element is squeezed flat.
 _FLAT = 0.5
-#: Name of the degrees in the memory of a run.
-_MEMORY = "degrees_of_bodies"
+#: Name of that in the memory of a run.
+_MEMORY = "rule_of_bodies"
 
 
 class BodyEnergy(SymbolicTerm):
@@ -65,6 +65,7 @@ class BodyEnergy(SymbolicTerm):
     ) -> None:
         self.space, self.laws = space, tuple(laws)
         self._direction, self._extra, self._may_miss = fibre_direction, extra_degrees, may_miss
+        self._rank = 0
         if mixed is None:
             mixed = [is_incompressible(law) for law in self.laws]
             mixed = mixed if any(mixed) and can_be_mixed(space) else [False] * len(mixed)
@@ -81,58 +82,69 @@ class BodyEnergy(SymbolicTerm):
             energy, volumetric = law.energy_parts(gradient) if is_mixed else (law.stored_energy(gradient), None)
             if law.fibres is not None:
                 energy += law.fibres.stored_energy(gradient, direction)
-            region = self.space.mesh.Materials(members)
-            yield energy.Compile() * ngsolve.dx(definedon=region, bonus_intorder=self._extra)
+            yield energy.Compile() * self._measure(members, self._rank)
             if volumetric is not None:
                 yield volumetric.Compile() * reduced_measure(self.space, members)
 
+    def _measure(self, bodies: str, rank: int) -> ngsolve.comp.DifferentialSymbol:
+        """The measure of bodies, by a rule that has been made finer `rank` times.
+
+        Those of quadrilaterals and hexahedra then have the corners among their points; the first is as exact as the
+        usual one.
+        """
+        region, more = self.space.mesh.Materials(bodies), more_degrees(self.space)
+        if rank and can_be_mixed(self.space):
+            return ngsolve.dx(definedon=region, intrules=lobatto_across(self.space.order + (rank - 1) * more // 2))
+        return ngsolve.dx(definedon=region, bonus_intorder=max(self._extra, rank * more))
+
     @property
     def rule(self) -> Rule:
-        """Degrees that the rule integrates exactly besides the usual ones."""
-        return (self._extra,)
+        """How many times the rule has been made finer."""
+        return (self._rank,)
 
     def update_multipliers(self, at: Configuration, stored: StoredEnergy) -> tuple[float, float]:
-        """Take a finer rule where the present one misses too much energy in elements that are squeezed flat.
+        """Take a finer rule where elements fold between the points of the present one, or are about to: where they are
+        squeezed flat, and it misses too much energy.
 
-        Between its points they would fold, as in sharp corners that close, and store nothing for it. What a rule misses
-        of volumes that hardly change is none of that: there a finer one locks.
+        They do so in sharp corners that close, and store nothing for it. What a rule misses of volumes that hardly
+        change is none of that: there a finer one locks.
         """
-        more = more_degrees(self.space)
-        if self._extra >= _FINEST * more or not isfinite(self._may_miss):
+        if self._rank >= _FINEST or not isfinite(self._may_miss):
             return 0.0, 0.0
         found, finer = self.value(at), self.finer_form
         assert finer is not None  # bodies have one
         missed = abs(finer.energy(at.displacement) - found)
-        if missed <= self._may_miss * abs(found) or not self._is_squeezed_flat(at.displacement, more):
+        is_enough = missed <= self._may_miss * abs(found)
+        if not self._has_less_volume(at.displacement, 0.0 if is_enough else _FLAT):
             return 0.0, 0.0
-        self._extra += more
+        self._rank += 1
         return self.space.bodies.thickness, missed if isfinite(missed) else abs(found)
 
-    def _is_squeezed_flat(self, displacement: Array, more: int) -> bool:
-        """Return whether J = det F is small at a point of the rule that is exact for so many degrees more."""
+    def _has_less_volume(self, displacement: Array, share: float) -> bool:
+        """Return whether J = det F is below a share at a point of the next rule, or of that which judges this one."""
         gradient = ngsolve.Id(self.space.dimension) + ngsolve.Grad(self.space.function(displacement))
-        walls = self.space.mesh.Materials("|".join(self.space.bodies.body_names))
-        measure = ngsolve.dx(definedon=walls, bonus_intorder=self._extra + more)
-        is_small = ngsolve.IfPos(_FLAT - ngsolve.Det(gradient), 1.0, 0.0)
-        return float(ngsolve.Integrate(is_small * measure, self.space.mesh)) > 0
+        is_less = ngsolve.IfPos(share - ngsolve.Det(gradient), 1.0, 0.0)
+        walls = "|".join(self.space.bodies.body_names)
+        measures = (self._measure(walls, self._rank + 1), self.finer(self.finer_degrees)._measure(walls, 0))
+        return any(float(ngsolve.Integrate(is_less * measure, self.space.mesh)) > 0 for measure in measures)
 
     def memory(self) -> dict[str, Array]:
-        """Return the degrees, where they are more than usual."""
-        return {_MEMORY: np.array([self._extra])} if self._extra else {}
+        """Return how many times the rule has been made finer, if it has."""
+        return {_MEMORY: np.array([self._rank])} if self._rank else {}
 
     def recall(self, memory: Mapping[str, Array]) -> None:
-        """Take the degrees up again."""
-        self._extra = int(memory[_MEMORY][0]) if _MEMORY in memory else 0
+        """Take such a rule up again."""
+        self._rank = int(memory[_MEMORY][0]) if _MEMORY in memory else 0
 
     def start_from(self, before: Term, at: Configuration) -> None:
         """Start with the rule of the stage before, if that is finer."""
         assert isinstance(before, BodyEnergy)
-        self._extra = max(self._extra, before._extra)
+        self._rank = max(self._rank, before._rank)
 
     def refine(self, coarse: Term, at: Configuration) -> None:
         """Start with the rule of the coarser mesh."""
         assert isinstance(coarse, BodyEnergy)
-        self._extra = coarse._extra
+        self._rank = coarse._rank
 
     def finer(self, extra_degrees: int) -> BodyEnergy:
         """Return the energy by a rule of higher order; the volumetric one of the mixed method stays."""

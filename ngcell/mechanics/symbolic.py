@@ -153,8 +153,7 @@ class SymbolicTerm(Term):
 
     @property
     def rule(self) -> Rule:
-        """Degrees that the rule of each part integrates exactly besides the usual ones: they grow where a rule turns
-        out too coarse."""
+        """How many times the rule of each part has been made finer."""
         return (0,)
 
     @property
@@ -165,10 +164,15 @@ class SymbolicTerm(Term):
         return self._formed[1]
 
     @property
+    def finer_degrees(self) -> int:
+        """Degrees that the rule by which the present one is judged integrates exactly besides the usual ones."""
+        return max(1, *self.rule) * more_degrees(self.space)
+
+    @property
     def finer_form(self) -> EnergyForm | None:
         """The term by itself, by a rule that integrates polynomials of twice the usual degree exactly, or more."""
         if self._finer is None or self._finer[0] != self.rule:
-            self._finer = (self.rule, self.finer(max(self.rule) + more_degrees(self.space)))
+            self._finer = (self.rule, self.finer(self.finer_degrees))
         term = self._finer[1]
         return None if term is None else term.form
 
@@ -250,7 +254,7 @@ class OwnEnergy(SymbolicTerm):
 
 
 def more_degrees(space: DisplacementSpace) -> int:
-    """Return by how many degrees the next finer rule is exact beyond a rule."""
+    """Return by how many degrees a finer rule is exact beyond the usual one."""
     return 2 * space.order + 2
 
 

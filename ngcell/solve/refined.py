@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from math import isfinite
 
 import numpy as np
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 
 from ngcell.solve.continuation import Continuation, rested, until_conditions_hold
 from ngcell.solve.minimise import Minimiser
-from ngcell.solve.minimum import Minimum
+from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.options import SolverOptions
 from ngcell.solve.proximal import ProximalTerm
 from ngcell.solve.recentred import at_rest, recentred
@@ -54,7 +55,29 @@ def settled(
     share : float, optional
         Decrement of the last minimisation, as a share of the energy; by default that of what is reported. At inf it is
         left out where bodies may float: the state is one from which the energy hardly falls any more.
+
+    Notes
+    -----
+    Elements that turn out to be folded between the points of a quadrature rule get a finer one, by which they have no
+    energy where they are: it is tried once more from the start.
     """
+    once = partial(
+        _settled_once, minimisers, start, softer, length=length, options=options, path=path, share=share
+    )
+    minimum = once()
+    return once() if minimum.ending is Ending.NO_ENERGY else minimum
+
+
+def _settled_once(
+    minimisers: Sequence[Minimiser],
+    start: Array,
+    softer: Sequence[Minimiser],
+    *,
+    length: float,
+    options: SolverOptions,
+    path: Continuation | None,
+    share: float | None,
+) -> Minimum:
     minimum, before = None, None
     refined, weight = share or options.continuation.refined, path.scale * path.options.recentred if path else 0.0
     for minimiser in softer:

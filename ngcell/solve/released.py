@@ -121,6 +121,8 @@ class Released:
         self.apply(load)
         proximal = self.path.last_proximal(centre)
         minimum = self._alone(start, proximal) or self._selected(start, centre, may_stall)
+        if minimum.ending is Ending.NO_ENERGY:  # elements were folded between the points of a rule that is finer now
+            minimum = self._selected(start, centre, may_stall)
         if self.is_mixed and minimum.is_found:
             minimum = self.minimisers[-1].minimise(minimum.state.displacement, minimum.proximal)
         minimum = self._stable(minimum)

@@ -212,6 +212,31 @@ def test_states_that_multipliers_take_over_from_need_no_last_digits():
     assert spent[1] < spent[0]
 
 
+@pytest.mark.parametrize("is_finer", [True, False])
+def test_where_a_finer_rule_finds_elements_folded_it_is_tried_once_more_from_the_start(is_finer):
+    """The first minimum is beyond the place up to which the energy is known once the rule is finer, and the next not.
+    """
+
+    class Folding(Bowl):
+        edge = np.inf
+
+        def at(self, displacement: np.ndarray) -> Point:
+            found = super().at(displacement)
+            return replace(found, energy=np.nan) if displacement[0] > self.edge else found
+
+        def update_multipliers(self, state: Point) -> tuple[float, float]:
+            if np.isfinite(self.edge) or not is_finer:
+                return 0.0, 0.0
+            self.edge = state.displacement[0] / 2
+            return 1.0, 0.0
+
+    minimiser = Minimiser(Folding(), 1.0, energy_scale=1.0)
+    found = settled((minimiser,), np.zeros(3), length=1.0, options=SolverOptions())
+    assert minimiser.effort.iterations > 0
+    assert (found.ending is Ending.NO_DESCENT) is is_finer  # the rim is no minimum
+    assert not is_finer or found.state.displacement[0] <= minimiser.problem.edge
+
+
 @pytest.mark.parametrize(("decrement", "ending"), [(1e-13, Ending.CONVERGED), (1e-9, Ending.NO_DESCENT)])
 def test_last_digits_that_are_round_off_may_be_missing_at_a_kink(monkeypatch, decrement, ending):
     options = ContinuationOptions().within(0.1)

@@ -33,9 +33,11 @@ _FAR = 4.0
 #: Way along a lumen, in thicknesses and as a share of the whole way round, from which on two points that get near each
 #: other tell that it closes.
 _ALONG, _QUARTER = 6.0, 0.25
-#: Way to both sides of a corner, in thicknesses, within which it may close; and the distance of two points there over
-#: the way between them, and over that at rest, below which it does: at a third of the angle of a hexagon.
-_BESIDE, _HINGE, _SHUT = 3.0, 0.3, 0.5
+#: Ways to both sides of a corner, in thicknesses, at which it is seen to close.
+_BESIDE = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0)
+#: The distance of two points there over the way between them, and over that at rest, below which it closes: at a third
+#: of the angle of a hexagon.
+_HINGE, _SHUT = 0.3, 0.5
 #: Points of a lumen that are looked at for that are this far apart at most, in thicknesses.
 _SPACING = 0.5
 
@@ -156,17 +158,18 @@ class LumenSurface(EdgeSurface):
 
     @cached_property
     def _beside_corners(self) -> tuple[Index, Index, Array, Array]:
-        """Samples on both sides of each corner, the ways along the loop between them, and their distances at rest
-        [length]."""
+        """Samples on both sides of each corner, each with each, the ways along the loop between them, and their
+        distances at rest [length]."""
         share, places = self._samples
-        corner = np.flatnonzero(self._has_corner_before)
         loop = np.repeat(self.body, len(share))
-        wide, around = _BESIDE * self.thickness[self.body[corner]], self._length[self.body[corner]]
-        ahead = (places - self._start[corner, None]) % around[:, None]
-        mine = loop == self.body[corner, None]
-        after, before = mine & (ahead < wide[:, None]), mine & (around[:, None] - ahead < wide[:, None])
-        pairs = [np.argwhere(np.outer(*sides)) for sides in zip(before, after, strict=True)]
-        one, two = np.concatenate([np.zeros((0, 2), dtype=np.int64), *pairs]).T
+        pairs = [np.zeros((0, 2), dtype=np.int64)]
+        for corner in np.flatnonzero(self._has_corner_before):
+            mine, around = np.flatnonzero(loop == self.body[corner]), self._length[self.body[corner]]
+            ahead = (places[mine] - self._start[corner]) % around
+            ways = self.thickness[self.body[corner]] * np.array(_BESIDE)
+            after, before = (mine[np.abs(way - ways[:, None]).argmin(1)] for way in (ahead, around - ahead))
+            pairs.append(np.stack(np.meshgrid(before, after), axis=-1).reshape(-1, 2))
+        one, two = np.concatenate(pairs).T
         along = (places[two] - places[one]) % self._length[loop[one]]
         point = (self.basis.values(share) @ self.rest).reshape(-1, 2)
         return one, two, along, np.linalg.norm(point[one] - point[two], axis=1)
