@@ -20,6 +20,7 @@ from ngcell.solve.proximal import ProximalTerm
 from ngcell.solve.released import Released
 from ngcell.solve.step import MOST_HALVINGS, Accepted, StepFailed
 from ngcell.solve.strategies.sddp import Sddp
+from ngcell.solve.strategies.single_step import SingleStep
 from ngcell.solve.strategies.strategy import Progress, Task
 from tests.tissues import LAW, SmallTissue, contact_set, single_step, small_tissue
 
@@ -286,6 +287,7 @@ def test_walls_that_no_path_from_the_lifting_frees_are_released_from_the_tied_st
 
     def step(start: np.ndarray, centre: np.ndarray, load: float) -> Accepted:
         asked.append((float(start[0]), float(centre[0]), load))
+        released.effort = released.effort + Effort(iterations=3)
         if centre[0] != tied[0]:
             raise StepFailed(Outcome.RELEASE_FAILED, load)
         state = SimpleNamespace(displacement=start, energy=0.0)
@@ -294,8 +296,18 @@ def test_walls_that_no_path_from_the_lifting_frees_are_released_from_the_tied_st
 
     fake = FakeMinimiser(stride=1.0)
     problem = SimpleNamespace(reset=lambda: None, has_history=False)
-    problems = SimpleNamespace(tied=(fake,), closing=(), released=SimpleNamespace(step=step, problem=problem))
+    released = SimpleNamespace(step=step, problem=problem, effort=Effort())
+    problems = SimpleNamespace(tied=(fake,), closing=(), released=released)
     progress = Progress(accepted=1, load_factor=1.0, displacement={"tied": tied})
     (last,) = Sddp().follow(Task(problems, FakeMotion(), [1.0], [1.0]), progress)
     assert asked == [(3.0, 1.0, 1.0), (3.0, 3.0, 1.0)]
-    assert last.minimum.state.displacement == tied
+    assert last.minimum.state.displacement == tied and last.effort.iterations == 6
+
+
+def test_where_no_path_leads_from_the_lifting_the_load_is_followed_from_the_step_before():
+    fake = FakeMinimiser(stride=0.13)
+    path = Released(FakeMinimiser(np.inf), (fake,), Continuation(1.0, ContinuationOptions(first=1.0, last=1.0)))
+    task = Task(SimpleNamespace(released=path), FakeMotion(), [0.5, 1.0], [1.0])
+    steps = list(SingleStep().follow(task, Progress()))
+    assert [step.load_factor for step in steps] == [0.5, 1.0] and all(step.follows for step in steps)
+    assert sum(step.effort.iterations for step in steps) == path.effort.iterations

@@ -71,6 +71,7 @@ def _released_step(task: Task, tied: Array, target: float) -> Accepted:
     start = problem.expand(tied)
     centre = task.motion.lifting(target) if task.motion.has_lifting else start
     released.problem.reset()
+    before = released.effort
     try:
         step = released.step(start, centre, target)
     except StepFailed:
@@ -78,7 +79,7 @@ def _released_step(task: Task, tied: Array, target: float) -> Accepted:
             raise
         _log.info("no path leads from the lifting; walls are released from the tied state")
         released.problem.reset()
-        step = released.step(start, start, target)
+        step = replace(released.step(start, start, target), effort=released.effort - before)
     return _with_loss(released, step, problem.at(tied).energy) if released.problem.has_history else step
 
 

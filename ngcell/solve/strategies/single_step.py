@@ -1,12 +1,15 @@
 """Load and contact together: no tied solid is computed.
 
 The centre of the continuation is the lifting of the load. Where the load determines none, the state before is the
-centre, and the load path is followed in increments: none moves a support so far that a wall could be passed unseen.
+centre, and the load path is followed in increments: none moves a support so far that a wall could be passed unseen. So
+it is where no path leads from the lifting.
 """
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -18,6 +21,8 @@ from ngcell.solve.step import MOST_HALVINGS, Accepted, Motion, StepFailed, next_
 from ngcell.solve.strategies.strategy import Progress, Task
 
 Array = NDArray[np.float64]
+
+_log = logging.getLogger(__name__)
 
 
 class SingleStep(Section):
@@ -41,13 +46,24 @@ class SingleStep(Section):
         load = task.steps[done - 1] if done else 0.0
         displacement = progress.displacement.get("released", motion.lifting(0.0))
         for target in task.steps[done:]:
-            if motion.has_lifting:
-                centre = motion.lifting(target)
-                step = task.released.step(centre, centre, target)
-            else:
+            before = task.released.effort
+            step = _from_lifting(task, target) if motion.has_lifting else None
+            if step is None:
                 step = _incremental_step(task.released, motion, displacement, load, target)
+                step = replace(step, effort=task.released.effort - before)
             load, displacement = target, step.minimum.state.displacement
             yield step
+
+
+def _from_lifting(task: Task, target: float) -> Accepted | None:
+    """Return the equilibrium that a path from the lifting leads to; None where none does, as where elements next to
+    supports are inverted there."""
+    centre = task.motion.lifting(target)
+    try:
+        return task.released.step(centre, centre, target)
+    except StepFailed:
+        _log.info("no path leads from the lifting; the load is followed from the step before")
+        return None
 
 
 def _incremental_step(released: Released, motion: Motion, displacement: Array, load: float, target: float) -> Accepted:
