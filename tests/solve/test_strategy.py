@@ -297,7 +297,7 @@ def test_walls_that_no_path_from_the_lifting_frees_are_released_from_the_tied_st
     fake = FakeMinimiser(stride=1.0)
     problem = SimpleNamespace(reset=lambda: None, has_history=False)
     released = SimpleNamespace(step=step, problem=problem, effort=Effort())
-    problems = SimpleNamespace(tied=(fake,), closing=(), released=released)
+    problems = SimpleNamespace(tied=(fake,), closing=(), released=released, renew_budget=lambda: None)
     progress = Progress(accepted=1, load_factor=1.0, displacement={"tied": tied})
     (last,) = Sddp().follow(Task(problems, FakeMotion(), [1.0], [1.0]), progress)
     assert asked == [(3.0, 1.0, 1.0), (3.0, 3.0, 1.0)]

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from ngcell.scene.section import PositiveCount, Section
 from ngcell.solve.continuation import until_conditions_hold
+from ngcell.solve.effort import OutOfIterations
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Minimum
 from ngcell.solve.outcome import Outcome
@@ -74,10 +75,11 @@ def _released_step(task: Task, tied: Array, target: float) -> Accepted:
     before = released.effort
     try:
         step = released.step(start, centre, target)
-    except StepFailed:
+    except (StepFailed, OutOfIterations):
         if centre is start:
             raise
         _log.info("no path leads from the lifting; walls are released from the tied state")
+        task.problems.renew_budget()
         released.problem.reset()
         step = replace(released.step(start, start, target), effort=released.effort - before)
     return _with_loss(released, step, problem.at(tied).energy) if released.problem.has_history else step

@@ -37,6 +37,9 @@ class Problems(Protocol):
     def released(self) -> Released:
         """The released walls."""
 
+    def renew_budget(self) -> None:
+        """Give a further attempt at a step all of the work of a step."""
+
 
 @dataclass(frozen=True, eq=False)
 class Task:
