@@ -47,7 +47,8 @@ class BodyEnergy(SymbolicTerm):
     extra_degrees : int
         Degrees that the rule integrates exactly besides the usual ones.
     may_miss : float
-        Share of the stored energy that the rule may miss; where it misses more at an equilibrium, a finer one is taken.
+        Share of the stored energy that the rule may miss where elements are squeezed flat, before a finer one follows.
+        At inf, and as long as no multipliers are updated, the rule stays.
     mixed : sequence of bool, optional
         Bodies with the volumetric energy of the mixed method; by default those that are nearly incompressible, where
         the elements allow it.
@@ -118,6 +119,7 @@ class BodyEnergy(SymbolicTerm):
         if not self._has_less_volume(at.displacement, 0.0 if is_enough else _FLAT):
             return 0.0, 0.0
         self._rank += 1
+        # Nothing of it has a length: one that is never taken for nothing.
         return self.space.bodies.thickness, missed if isfinite(missed) else abs(found)
 
     def _has_less_volume(self, displacement: Array, share: float) -> bool:
