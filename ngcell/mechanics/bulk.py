@@ -18,7 +18,6 @@ from ngcell.mechanics.laws.law import HyperelasticLaw, in_three_dimensions
 from ngcell.mechanics.lobatto import lobatto_across
 from ngcell.mechanics.mixed import can_be_mixed, is_incompressible, reduced_measure
 from ngcell.mechanics.space import DisplacementSpace
-from ngcell.mechanics.stored import StoredEnergy
 from ngcell.mechanics.symbolic import Integrals, Rule, SymbolicTerm, more_degrees
 from ngcell.mechanics.term import Configuration, Index, Term
 
@@ -48,7 +47,7 @@ class BodyEnergy(SymbolicTerm):
         Degrees that the rule integrates exactly besides the usual ones.
     may_miss : float
         Share of the stored energy that the rule may miss where elements are squeezed flat, before a finer one follows.
-        At inf, and as long as no multipliers are updated, the rule stays.
+        At inf the rule stays.
     mixed : sequence of bool, optional
         Bodies with the volumetric energy of the mixed method; by default those that are nearly incompressible, where
         the elements allow it.
@@ -103,24 +102,22 @@ class BodyEnergy(SymbolicTerm):
         """How many times the rule has been made finer."""
         return (self._rank,)
 
-    def update_multipliers(self, at: Configuration, stored: StoredEnergy) -> tuple[float, float]:
+    def take_finer_rule(self, at: Configuration) -> bool:
         """Take a finer rule where elements fold between the points of the present one, or are about to: where they are
-        squeezed flat, and it misses too much energy.
+        squeezed flat, and it misses too much energy; tell whether that is so.
 
         They do so in sharp corners that close, and store nothing for it. What a rule misses of volumes that hardly
         change is none of that: there a finer one locks.
         """
         if self._rank >= _FINEST or not isfinite(self._may_miss):
-            return 0.0, 0.0
+            return False
         found, finer = self.value(at), self.finer_form
         assert finer is not None  # bodies have one
-        missed = abs(finer.energy(at.displacement) - found)
-        is_enough = missed <= self._may_miss * abs(found)
+        is_enough = abs(finer.energy(at.displacement) - found) <= self._may_miss * abs(found)
         if not self._has_less_volume(at.displacement, 0.0 if is_enough else _FLAT):
-            return 0.0, 0.0
+            return False
         self._rank += 1
-        # Nothing of it has a length: one that is never taken for nothing.
-        return self.space.bodies.thickness, missed if isfinite(missed) else abs(found)
+        return True
 
     def _has_less_volume(self, displacement: Array, share: float) -> bool:
         """Return whether J = det F is below a share at a point of the next rule, or of that which judges this one."""

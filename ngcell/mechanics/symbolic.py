@@ -156,6 +156,10 @@ class SymbolicTerm(Term):
         """How many times the rule of each part has been made finer."""
         return (0,)
 
+    def take_finer_rule(self, at: Configuration) -> bool:
+        """Integrate by a finer rule from now on if that of this equilibrium misses too much; tell whether it does."""
+        return False
+
     @property
     def form(self) -> EnergyForm:
         """The term by itself, by its present rule."""

@@ -236,8 +236,8 @@ class Term(ABC):
         """Take over what the same term on a coarser mesh knows at an equilibrium on that mesh."""
 
     def update_multipliers(self, at: Configuration, stored: StoredEnergy) -> tuple[float, float]:
-        """Update multipliers, or a penalty or a rule that misses too much, at an equilibrium that stores this energy;
-        return by how much conditions were missed that it only approaches, a length and an energy: zeros for none."""
+        """Update multipliers, or a penalty that is too soft, at an equilibrium that stores this energy; return by how
+        much conditions that the energy only approaches were missed, a length and an energy: zeros where none were."""
         return 0.0, 0.0
 
     def take_multipliers(self, keys: Index, lowered: Array) -> None:

@@ -18,7 +18,7 @@ from scipy import sparse
 
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.stored import StoredEnergy
-from ngcell.mechanics.symbolic import fused, parts_of
+from ngcell.mechanics.symbolic import SymbolicTerm, fused, parts_of
 from ngcell.mechanics.term import NO_ENTRIES, Configuration, Drive, OneSided, Role, Term
 from ngcell.problem.rotation import finite_rotation_update
 from ngcell.problem.state import Linearisation, State
@@ -179,8 +179,7 @@ class Problem:
         return row, column
 
     def couplings(self, state: State, margin: float) -> tuple[Index, Index]:
-        """Return rows and columns of the lower triangle that moving parts of the tangent could fill while nothing moves
-        by more than half of `margin` [length]."""
+        """Return entries of the lower triangle that constraints could fill while nothing moves by half of `margin`."""
         parts = [term.couplings(state.at, margin) for term in self._sum]
         row, column = (np.concatenate(part) for part in zip(*parts, strict=True))
         first = [axis * self.space.size for axis in range(self.dimension)]
@@ -227,12 +226,15 @@ class Problem:
             mine.refine(theirs, state.at)
 
     def update_multipliers(self, state: State) -> tuple[float, float]:
-        """Let terms update their multipliers at an equilibrium; return the largest length by which conditions were
-        missed, and the energy that stands for it."""
+        """Let terms update their multipliers; return the largest length that conditions miss, and its energy."""
         stored = StoredEnergy(lambda: stored_by(self.terms, state.at, self.space.body_count))
         # The last terms first: contact is judged by the stored energy, which fluids change when they update.
         found = [term.update_multipliers(state.at, stored) for term in reversed(self.terms)]
         return max(missed for missed, _ in found), sum(energy for _, energy in found)
+
+    def take_finer_rule(self, state: State) -> bool:
+        """Let terms integrate by finer rules where theirs miss too much; tell whether any does."""
+        return any([term.take_finer_rule(state.at) for term in self.terms if isinstance(term, SymbolicTerm)])
 
     def folded(self, state: State) -> NDArray[np.bool_]:
         """Return the bodies that store no finite energy, since something in them is turned inside out."""
@@ -244,15 +246,13 @@ class Problem:
         return any(getattr(term, "has_multipliers", False) for term in self.terms)
 
     def take_multipliers(self, keys: Index, lowered: Array) -> None:
-        """Let terms take multipliers that are foreseen, told by `Linearisation.keys` and by how much they lower gaps.
-        """
+        """Let terms take multipliers that are foreseen, by `Linearisation.keys`, and by how much they lower gaps."""
         number = keys % len(self._sum)
         for of in np.unique(number).tolist():
             self._sum[of].take_multipliers(keys[number == of] // len(self._sum), lowered[number == of])
 
     def note_kinks(self, state: State) -> bool:
-        """Let terms change their energy of other places where its kinks would hold up steps from here; tell whether any
-        has."""
+        """Let terms change their energy where its kinks would hold up steps from here; tell whether any has."""
         return any([term.note_kinks(state.at) for term in self.terms])
 
     def increase_penalty(self) -> None:

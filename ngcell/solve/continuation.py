@@ -245,13 +245,14 @@ def until_conditions_hold(
         missed, energy = minimiser.problem.update_multipliers(minimum.state)
         is_nothing = 0 < energy <= options.nothing * minimiser.problem.magnitude(minimum.state)
         helpless = was_increased and missed > before / 2 and is_nothing
-        if missed <= met or helpless:
+        is_met = missed <= met or helpless
+        if is_met and not minimiser.problem.take_finer_rule(minimum.state):
             return minimum
-        _log.info("conditions missed by %.1e", missed)
-        was_increased = missed > options.slow * before
+        _log.info("conditions missed by %.1e%s", missed, "; a finer quadrature rule follows" if is_met else "")
+        was_increased = not is_met and missed > options.slow * before
         if was_increased:
             minimiser.problem.increase_penalty()
-        before = missed
+        before = float("inf") if is_met else missed  # by a finer rule, what was missed before says nothing
         start, tolerance = minimum.state.displacement, options.update * energy
         if options.sufficient:
             start = with_foreseen_multipliers(minimiser, minimum, missed, max(options.foreseen * missed, met / 10))

@@ -149,6 +149,9 @@ class Problem(Protocol):
         """Update multipliers at an equilibrium; return the gap [length] by which it misses conditions that the
         energy only approaches, and the energy that stands for what is missed; zeros where there are none."""
 
+    def take_finer_rule(self, state: Any) -> bool:
+        """Integrate by finer rules from now on where those of this equilibrium miss too much; tell whether any does."""
+
     @property
     def has_multipliers(self) -> bool:
         """Whether multipliers lower gaps."""

@@ -7,14 +7,11 @@ import pytest
 
 from ngcell.mechanics.bulk import BodyEnergy
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
-from ngcell.mechanics.stored import StoredEnergy
 from ngcell.mechanics.symbolic import SymbolicSum
 from ngcell.results.jacobian import smallest_jacobian
 from tests.mechanics.test_hyperelastic import stored_energy
 from tests.tissues import LAW, SmallTissue, small_tissue
 
-#: Nobody asks for it.
-NO_STORED = StoredEnergy(lambda: (np.zeros(0), 0.0))
 STEPS = np.array([4e-3, 2e-3, 1e-3])
 
 
@@ -94,11 +91,10 @@ def test_squeezed_elements_get_a_rule_that_knows_their_corners_then_one_that_mis
     bulk = BodyEnergy(tissue.space, [LAW], may_miss=1e-7)
     total, off = SymbolicSum([bulk]), []
     for rank in (1, 2):
-        missed, energy = bulk.update_multipliers(at, NO_STORED)
-        assert missed > 0 and energy > 0 and bulk.rule == (rank,)
+        assert bulk.take_finer_rule(at) and bulk.rule == (rank,)
         off.append(abs(total.value(at) - exact))
     assert off[0] > 1e-7 * exact > 10 * off[1]
-    assert bulk.update_multipliers(at, NO_STORED) == (0.0, 0.0)
+    assert not bulk.take_finer_rule(at)
     way, step = tissue.smooth(1.0, 2), 1e-6
     ahead, behind = (tissue.space.configuration(at.displacement + h * way) for h in (step, -step))
     assert total.gradient(at) @ way == pytest.approx((total.value(ahead) - total.value(behind)) / (2 * step), rel=1e-6)
@@ -113,7 +109,7 @@ def test_a_corner_that_is_inside_out_has_no_energy_by_a_finer_rule():
         moved[1, corner] -= 1e-3
     at = tissue.space.configuration(moved.ravel())
     assert np.isfinite(bulk.value(at)) and np.isfinite(bulk.finer(8).value(at))
-    assert bulk.update_multipliers(at, NO_STORED)[0] > 0
+    assert bulk.take_finer_rule(at)
     assert np.isnan(bulk.value(at))
 
 
@@ -124,7 +120,7 @@ def test_a_rule_stays_where_no_element_is_squeezed_flat():
     rough = 1e-3 * np.random.default_rng(1).standard_normal(tissue.space.unknowns)
     at = tissue.space.configuration(rough)
     assert abs(bulk.finer(20).value(at) / bulk.value(at) - 1) > 1e-7
-    assert bulk.update_multipliers(at, NO_STORED) == (0.0, 0.0) and bulk.rule == (0,)
+    assert not bulk.take_finer_rule(at) and bulk.rule == (0,)
 
 
 def test_a_finer_rule_is_remembered_and_handed_on():
@@ -132,7 +128,7 @@ def test_a_finer_rule_is_remembered_and_handed_on():
     space, flat = tissue.space, tissue.space.configuration(squeezed(tissue, 0.8))
     bulk, other = (BodyEnergy(space, [LAW], may_miss=1e-7) for _ in range(2))
     assert bulk.memory() == {}
-    bulk.update_multipliers(flat, NO_STORED)
+    bulk.take_finer_rule(flat)
     finer = bulk.rule
     assert finer > (0,)
     other.recall(bulk.memory())

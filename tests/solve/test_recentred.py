@@ -49,6 +49,9 @@ class Bowl(Landscape):
     def update_multipliers(self, state: Point) -> tuple[float, float]:
         return 0.0, 0.0
 
+    def take_finer_rule(self, state: Point) -> bool:
+        return False
+
 
 @pytest.mark.parametrize("longest_step", [1.0, 0.1])
 def test_the_next_centre_is_ahead_where_bodies_creep_on(longest_step):
@@ -224,11 +227,11 @@ def test_where_a_finer_rule_finds_elements_folded_it_is_tried_once_more_from_the
             found = super().at(displacement)
             return replace(found, energy=np.nan) if displacement[0] > self.edge else found
 
-        def update_multipliers(self, state: Point) -> tuple[float, float]:
+        def take_finer_rule(self, state: Point) -> bool:
             if np.isfinite(self.edge) or not is_finer:
-                return 0.0, 0.0
+                return False
             self.edge = state.displacement[0] / 2
-            return 1.0, 0.0
+            return True
 
     minimiser = Minimiser(Folding(), 1.0, energy_scale=1.0)
     found = settled((minimiser,), np.zeros(3), length=1.0, options=SolverOptions())

@@ -178,6 +178,7 @@ class FakeMinimiser:
         free=np.ones(1, dtype=bool),
         expand=lambda displacement: displacement,
         update_multipliers=lambda state: (0.0, 0.0),
+        take_finer_rule=lambda state: False,
         start_from=lambda before, state: None,
         apply=lambda load_factor: None,
         has_history=False,
