@@ -12,7 +12,7 @@ _CLOSED = (
     "the error of that."
 )
 _TINY = "Forces times the length by which conditions are met are more than a millionth of what so stiff walls store."
-_CHANCE = "Sharp edges of blocks that have one width meet in corners; a change of the last digits ends at a kink."
+_CHANCE = "A quadrature rule was made finer on the way along the path; judged at its end, as now, it need not be."
 _ENDS = "Two walls of one width slide off each other within the last element; single points sink in by 2.1 %."
 _BETWEEN = (
     "Beside corners of three cells, between the points that contact is asked at, a pressure above the shear modulus "
