@@ -47,7 +47,7 @@ class Refinement(Generic[Scene]):
     estimates : bool
         Whether errors are to be estimated, also where the machine has no room for the finer mesh that it takes.
     on_the_way : tuple of int, Numbers and Errors, optional
-        The mesh that the present step has come to, and what it told; None before there is one.
+        The mesh that a step which is not finished has come to, and what it told; None where there is none.
     """
 
     def __init__(self, base: Scene, stages: Sequence[Stage], build: Callable[[Stage], Scene], accuracy: float) -> None:
@@ -81,12 +81,13 @@ class Refinement(Generic[Scene]):
 
         It depends on the step alone, not on the meshes of steps before it, of which no matrix is kept.
         """
-        self.on_the_way = None
         try:
-            return self._refined_and_stable(accepted)
+            found = self._refined_and_stable(accepted)
         finally:
             for level in self._levels:
                 level.release()
+        self.on_the_way = None  # it is accepted: what stops on the way to the next step tells nothing of it
+        return found
 
     def _refined_and_stable(self, accepted: Accepted) -> Refined[Scene]:
         found = self._refined(accepted)

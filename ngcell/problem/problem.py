@@ -179,7 +179,7 @@ class Problem:
         return row, column
 
     def couplings(self, state: State, margin: float) -> tuple[Index, Index]:
-        """Return entries of the lower triangle that constraints could fill while nothing moves by half of `margin`."""
+        """Return entries of the lower triangle that constraints could fill while no move exceeds half of `margin`."""
         parts = [term.couplings(state.at, margin) for term in self._sum]
         row, column = (np.concatenate(part) for part in zip(*parts, strict=True))
         first = [axis * self.space.size for axis in range(self.dimension)]

@@ -98,6 +98,8 @@ def test_what_came_apart_is_one_sentence() -> None:
         "gaps grow from plate displacement 0.123"
     )
     assert "no later than" in came_apart(table | {"onset_is_a_bound": True})
-    assert came_apart(table | {"last_step": LAST | {"plate_displacement": 0.0}}).endswith("from load factor 0.123")
+    frame = LAST | {"plate_displacement": 0.0, "load_factor": 1.0}
+    assert came_apart(table | {"last_step": frame}).endswith("from load factor 0.123")
+    assert "grow" not in came_apart(table | {"last_step": frame | {"load_factor": 0.0}})
     assert "grow" not in came_apart(table | {"onset_of_growth": None})
     assert came_apart(run()) == ""

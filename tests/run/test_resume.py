@@ -21,6 +21,7 @@ from click.testing import CliRunner, Result
 import ngcell
 from ngcell import clock
 from ngcell.build.refinement import Refinement
+from ngcell.build.simulation import Simulation
 from ngcell.cli import ngcell as command
 from ngcell.clock import OutOfTime
 from ngcell.errors import OutputError
@@ -310,6 +311,11 @@ def test_a_run_out_of_time_tells_what_the_last_mesh_found(tmp_path, monkeypatch)
     with pytest.raises(ngcell.NotConverged, match=told) as ended:
         list(ngcell.record(case, out))
     assert "plate force" in str(ended.value) and [step.record.phase for step in ended.value.steps] == ["tied"]
+
+
+def test_a_step_that_is_accepted_is_not_on_the_way():
+    simulation = Simulation(ngcell.read_case("shear-empty-3x3", [*REFINED, "load.levels=1"]))
+    assert [simulation.refinement.on_the_way for _ in simulation.accepted_steps()] == [None, None]
 
 
 def test_no_time_is_refused():
