@@ -164,7 +164,7 @@ def came_apart(summary: Summary) -> str:
 
 def _onset(summary: Summary) -> Iterator[str]:
     onset, last = summary.get("onset_of_growth"), summary.get("last_step") or {}
-    # Back at rest, the last step does not tell along which of the two loads are.
+    # Of a load that is taken back, the last step does not tell which of the two it moves along.
     if onset is not None and (last.get("plate_displacement") or last.get("load_factor")):
         bound = "no later than " if summary.get("onset_is_a_bound") else ""
         yield f"gaps grow from {bound}{_axis(last)} {onset:.3g}"
