@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from math import inf
-from typing import Generic, Protocol, TypeVar, cast
+from typing import Generic, cast
 
-from ngcell.build.options import Options
-from ngcell.clock import Clock
-from ngcell.mechanics.space import DisplacementSpace
-from ngcell.mechanics.supports import PrescribedMotion
+from ngcell.build.meshed import Refined, Scene
+from ngcell.contact.methods.protocol import Adapting
+from ngcell.contact.methods.terms import ContactTerm
 from ngcell.mechanics.term import Array
 from ngcell.mechanics.transfer import transferred
 from ngcell.problem.problem import Problem
 from ngcell.problem.state import State
-from ngcell.results.equilibrium import Setup
 from ngcell.results.error import Errors
 from ngcell.solve.continuation import rested
 from ngcell.solve.effort import OutOfIterations
@@ -25,77 +23,11 @@ from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Minimum
 from ngcell.solve.refined import has_contact, settled, stable
 from ngcell.solve.released import Released
-from ngcell.solve.step import Accepted, StepFailed, spent
+from ngcell.solve.step import StepFailed, spent
 
 Minimisers = Sequence[Minimiser]
 
 _log = logging.getLogger(__name__)
-
-
-class Meshed(Protocol):
-    """A scene on one mesh; see `ngcell.build.simulation.Simulation`."""
-
-    clock: Clock
-    options: Options
-    setup: Setup
-    space: DisplacementSpace
-    motion: PrescribedMotion
-
-    @property
-    def tied(self) -> tuple[Minimiser, ...]:
-        """Minimisers of the tied solid."""
-
-    @property
-    def closing(self) -> tuple[Minimiser, ...]:
-        """Minimisers of the tied solid whose lumens touch themselves; none where no lumen can."""
-
-    @property
-    def released(self) -> Released:
-        """Minimisers of the released walls."""
-
-    def softer_in_bulk(self, count: int) -> tuple[Minimiser, ...]:
-        """Return minimisers of walls of smaller bulk moduli, with the first of the last `count` stages of contact."""
-
-    def problem_of(self, phase: str, *, only_leads: bool = False) -> Problem:
-        """Return the problem that steps of a phase solve; of released walls also the stage that leads to the last."""
-
-    def renew_budget(self) -> None:
-        """Give the minimisers of this mesh all of their iterations."""
-
-
-Scene = TypeVar("Scene", bound=Meshed)
-
-
-@dataclass(frozen=True, eq=False)
-class Refined(Generic[Scene]):
-    """A step on one mesh.
-
-    Attributes
-    ----------
-    level : int
-        Number of the mesh, 0 for that of the load path.
-    simulation : Simulation
-        The scene on this mesh.
-    problem : Problem
-        What it solves.
-    accepted : Accepted
-        The step, with the effort of all meshes.
-    errors : Errors
-        Its estimated errors.
-    is_judged : bool
-        Whether they are held to what is asked for: not where none can be estimated, nor of tied states, which walls are
-        released from.
-    only_leads : bool
-        Whether its contact only leads to the one that is meant.
-    """
-
-    level: int
-    simulation: Scene
-    problem: Problem
-    accepted: Accepted
-    errors: Errors
-    is_judged: bool
-    only_leads: bool = False
 
 
 class Level(Generic[Scene]):
@@ -183,6 +115,33 @@ class Level(Generic[Scene]):
                 return replace(step, errors=Errors(), only_leads=only_leads)
             _log.info("mesh %d: %s", coarse.level + 1, minimum.ending.value)
         return self._anew(replace(coarse, accepted=accepted))
+
+    def stiffer(self, found: Refined[Scene]) -> Refined[Scene]:
+        """Return a step of this mesh by stiffer contact between bodies; as it is where that finds no equilibrium, or
+        contact can be no stiffer."""
+        minimiser, accepted, mine = self._released.minimisers[-1], found.accepted, self.simulation
+        contact = (term.method for term in found.problem.terms if isinstance(term, ContactTerm))
+        stiffened = [method for method in contact if isinstance(method, Adapting) and method.stiffen()]
+        if not stiffened:
+            return found
+        path = self._released.path if accepted.minimum.proximal.weight else None
+        share = None if path is None else path.options.of_leading
+        length, options, effort = self._released.longest_step, mine.options.solver, spent((minimiser,))
+        start = accepted.minimum.state.displacement
+        mine.renew_budget()
+        minimiser.forget_matrix()
+        try:
+            minimum = settled((minimiser,), start, length=length, options=options, path=path, share=share)
+        except OutOfIterations:
+            minimum = accepted.minimum
+        is_stiffer = minimum is not accepted.minimum and minimum.is_found
+        _log.info("contact made stiffer%s", "" if is_stiffer else " in vain")
+        if not is_stiffer:
+            minimum = accepted.minimum
+            for method in stiffened:
+                method.soften()
+        accepted = replace(accepted, minimum=minimum, effort=accepted.effort + (spent((minimiser,)) - effort))
+        return replace(found, accepted=accepted)
 
     def _anew(self, coarse: Refined[Scene]) -> Refined[Scene] | None:
         """Return a step that nothing was found beside, by the whole path on this mesh; None where there is none.

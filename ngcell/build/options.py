@@ -7,9 +7,8 @@ from dataclasses import dataclass, field, replace
 from ngcell.contact.options import ContactOptions
 from ngcell.solve.options import SolverOptions
 
-#: Stiffness of penalty terms, in layers of elements behind the wall, at an accuracy; and the largest, at which they
-#: still find a way down at corners.
-_STIFF, _ASKED, _STIFFEST = 100.0, 0.01, 1e3
+#: Stiffness of penalty terms, in layers of elements behind the wall, at an accuracy.
+_STIFF, _ASKED = 100.0, 0.01
 #: Length by which conditions that multipliers enforce may be missed, as a share of the accuracy. At 1e-6 the mortar
 #: method saves a round of updates, but forces of fluids, which are stiff, are left out of balance.
 _MISSED = 1e-8
@@ -38,7 +37,7 @@ class Options:
         """
         # Contact costs twice what its penalty terms store: a quarter of the accuracy, at most.
         stored = min(self.contact.stored, accuracy / 8)
-        multiple = min(_STIFF * (_ASKED / accuracy) ** 2, _STIFFEST)
+        multiple = min(_STIFF * (_ASKED / accuracy) ** 2, self.contact.most_multiple)
         stiff = replace(self.contact, penalty_multiple=max(self.contact.penalty_multiple, multiple), stored=stored)
         path = self.solver.continuation
         ends = replace(path, condition=max(path.condition, min(_MISSED * accuracy, _MISSED)))

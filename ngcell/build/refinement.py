@@ -10,7 +10,8 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Generic, cast
 
-from ngcell.build.mesh_level import Level, Refined, Scene
+from ngcell.build.mesh_level import Level
+from ngcell.build.meshed import Refined, Scene
 from ngcell.build.stages import Stage, singular_exponent
 from ngcell.errors import CaseError
 from ngcell.problem.state import State
@@ -23,9 +24,12 @@ _log = logging.getLogger(__name__)
 
 #: Refinements that most runs come to.
 _USUAL = 2
-#: Mesh on which multipliers take over from the penalty that leads to them where walls slip, whatever its error: what
-#: slides there takes a tenth of the time that it takes on the finest one.
+#: Mesh on which multipliers take over from the penalty that leads to them where walls slip, whatever its error, and on
+#: which penalty terms that leave too much overlap are made stiffer: what slides there takes a tenth of the time that it
+#: takes on the finest one, and later meshes do not tell of an error what stiffness has changed.
 _SETTLED_ON = 1
+#: Share of what a mean gap may err by that penalty terms may leave as overlaps.
+_OF_CONTACT = 0.25
 
 
 class Refinement(Generic[Scene]):
@@ -111,7 +115,8 @@ class Refinement(Generic[Scene]):
             return last
         found, refined = [_numbers(last)], list[Refining]()
         while (finer := self._next(last)) is not None:
-            found.append(_numbers(finer))
+            finer, here = self._by_firm_contact(finer)
+            found.append(here)
             refined.append(self._stages[finer.level].refining(self._stages[last.level], self._exponent))
             if not self._stages[finer.level].is_reported:
                 errors = estimate(found, refined, of_last=False)
@@ -141,6 +146,21 @@ class Refinement(Generic[Scene]):
         if last.level == reported.level:
             return reported if last.level else self._levels[0].finished(reported) or reported
         return self._reported(last, found, refined) or reported
+
+    def _by_firm_contact(self, finer: Refined[Scene]) -> tuple[Refined[Scene], Numbers]:
+        """Return a step, by stiffer contact where walls overlap by too much beside their gaps, and its numbers.
+
+        Penalty terms adapt to energies. Walls that hardly open may overlap by more than their gaps may err.
+        """
+        numbers = _numbers(finer)
+        if not finer.is_judged or finer.only_leads or finer.level != _SETTLED_ON:
+            return finer, numbers
+        while numbers.overlap > _OF_CONTACT * self._accuracy * max(abs(numbers.mean_gap), numbers.scales[2]):
+            stiffer = self._levels[finer.level].stiffer(finer)
+            if stiffer.accepted.minimum is finer.accepted.minimum:
+                return stiffer, numbers
+            finer, numbers = stiffer, _numbers(stiffer)
+        return finer, numbers
 
     def _reported(
         self, last: Refined[Scene], found: Sequence[Numbers], refined: Sequence[Refining], *, may_slide: bool = True

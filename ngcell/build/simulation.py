@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ngcell.build.balance import NO_OVERLAP, is_balanced_at_rest
 from ngcell.build.checkpoint import Checkpoint
-from ngcell.build.mesh_level import Refined
+from ngcell.build.meshed import Refined
 from ngcell.build.observation import Observer
 from ngcell.build.options import Options
 from ngcell.build.problems import OwnTerm, Problems

@@ -26,6 +26,8 @@ class ContactOptions:
     penalty_multiple : float
         Stiffness of the penalty method that is meant, > 0, and of the one from which the mortar method takes over: as
         stiff as the accuracy asks, so that the equilibria on finer meshes are those of the penalty method.
+    most_multiple : float
+        The largest stiffness that accuracy makes of it, at which penalty terms still find a way down at corners, > 0.
     path_multiple : float
         Stiffness with which continuation paths are followed, > 0: as stiff as the layer behind the wall, it costs a
         third of the iterations.
@@ -45,6 +47,7 @@ class ContactOptions:
     allowed: float = 2.5e-4
     covered: float = 0.01
     penalty_multiple: float = 10.0
+    most_multiple: float = 1e3
     path_multiple: float = 1.0
     stored: float = 0.01
     stage_factor: float = 10.0

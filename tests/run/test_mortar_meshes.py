@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import ngcell
-from ngcell.build.mesh_level import Level, Refined
+from ngcell.build.mesh_level import Level
+from ngcell.build.meshed import Refined
 from ngcell.build.options import Options
 from ngcell.build.reported import Step
 from ngcell.build.simulation import Simulation

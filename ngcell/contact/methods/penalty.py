@@ -30,7 +30,7 @@ from ngcell.contact.gap.kinematics import GapKinematics
 from ngcell.contact.methods.overlaps import Mask, Overlaps, overlaps
 from ngcell.contact.methods.protocol import ContactMethod, ContactSet
 from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
-from ngcell.contact.pairing.near import Reach, adjacency
+from ngcell.contact.pairing.near import Reach, couplings_of_near_facets
 from ngcell.contact.pairing.pairs import ContactPairs
 from ngcell.contact.pairing.search import PairSearch
 from ngcell.contact.surface.surface import Surface, SurfacePoints, chosen_points
@@ -167,6 +167,22 @@ class PenaltyContact:
         """Largest factor by which penalty terms that were too soft have been made stiffer."""
         return float(self._factor.max())
 
+    def stiffen(self) -> bool:
+        """Make the penalty terms of all bodies stiffer, if any may be; tell whether."""
+        may = STIFFEN * self.raised * self._options.penalty_multiple <= self._options.most_multiple * (1 + 1e-9)
+        self._factor = self._factor * STIFFEN if may else self._factor
+        return may
+
+    def soften(self) -> None:
+        """Take the last `stiffen` back."""
+        self._factor = self._factor / STIFFEN
+
+    def stiffen_as(self, coarse: PenaltyContact) -> None:
+        """Have at least the stiffness of each body on a coarser mesh, whose own may have been raised."""
+        theirs = np.zeros_like(self._factor)
+        np.maximum.at(theirs, coarse.walls.body, coarse.stiffness)
+        np.maximum.at(self._factor, self.walls.body, theirs[self.walls.body] / self._derived)
+
     def pair(self, positions: Array) -> PenaltySet:
         """Find all contact pairs at `positions`, unknowns of shape (dimension, scalar unknowns)."""
         pairs = self._search.pairs(self.walls.nodes(positions))
@@ -281,11 +297,3 @@ def penalty_stiffness(walls: Surface, modulus_of_body: Array, multiple: float) -
     thinnest = np.full(len(modulus_of_body), np.inf)
     np.minimum.at(thinnest, walls.body, walls.depth)
     return np.asarray(multiple * (modulus_of_body / thinnest)[walls.body])
-
-
-def couplings_of_near_facets(walls: Surface, positions: Array, reach: Reach) -> tuple[Index, Index]:
-    """Return rows and columns of all scalar unknowns of facets that are the same, or nearer than `reach` [length]."""
-    near = adjacency(walls, walls.nodes(positions), reach)
-    touches = walls.touches(positions.shape[1])
-    row, column = (touches.T @ near @ touches).tocoo().coords
-    return row.astype(np.int64), column.astype(np.int64)

@@ -78,6 +78,15 @@ class Adapting(Protocol):
     def raised(self) -> float:
         """Largest factor by which penalty terms that were too soft have been made stiffer."""
 
+    def stiffen(self) -> bool:
+        """Make all penalty terms stiffer, and tell whether they may be any stiffer."""
+
+    def soften(self) -> None:
+        """Take the last `stiffen` back."""
+
+    def stiffen_as(self, coarse: Any) -> None:
+        """Be at least as stiff as the same method on a coarser mesh."""
+
     def restart(self, *, early: bool = False) -> None:
         """Take back what was adapted, and adapt from now on; in good time if it is to be early."""
 

@@ -107,6 +107,12 @@ class ContactTerm(Term):
         assert isinstance(before, ContactTerm)
         self.method.follow(before.method, at.positions)
 
+    def refine(self, coarse: Term, at: Configuration) -> None:
+        """Take over how stiff the method has been made on a coarser mesh."""
+        assert isinstance(coarse, ContactTerm)
+        if isinstance(self.method, Adapting) and isinstance(coarse.method, Adapting):
+            self.method.stiffen_as(coarse.method)
+
     def begin_path(self) -> None:
         """Let the method adapt from now on, if it can."""
         if isinstance(self.method, Adapting):

@@ -67,3 +67,11 @@ def adjacency(walls: Surface, nodes: Array, reach: Reach) -> sparse.csr_array:
     one, two = near_facets(walls, nodes, reach)
     near = sparse.csr_array((np.ones(len(one)), (one, two)), shape=(walls.facet_count,) * 2)
     return (near + sparse.eye_array(walls.facet_count)).tocsr()
+
+
+def couplings_of_near_facets(walls: Surface, positions: Array, reach: Reach) -> tuple[Index, Index]:
+    """Return rows and columns of all scalar unknowns of facets that are the same, or nearer than `reach` [length]."""
+    near = adjacency(walls, walls.nodes(positions), reach)
+    touches = walls.touches(positions.shape[1])
+    row, column = (touches.T @ near @ touches).tocoo().coords
+    return row.astype(np.int64), column.astype(np.int64)

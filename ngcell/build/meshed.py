@@ -1,0 +1,83 @@
+"""A scene on one mesh, and a step on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Generic, Protocol, TypeVar
+
+from ngcell.build.options import Options
+from ngcell.clock import Clock
+from ngcell.mechanics.space import DisplacementSpace
+from ngcell.mechanics.supports import PrescribedMotion
+from ngcell.problem.problem import Problem
+from ngcell.results.equilibrium import Setup
+from ngcell.results.error import Errors
+from ngcell.solve.minimise import Minimiser
+from ngcell.solve.released import Released
+from ngcell.solve.step import Accepted
+
+
+class Meshed(Protocol):
+    """A scene on one mesh; see `ngcell.build.simulation.Simulation`."""
+
+    clock: Clock
+    options: Options
+    setup: Setup
+    space: DisplacementSpace
+    motion: PrescribedMotion
+
+    @property
+    def tied(self) -> tuple[Minimiser, ...]:
+        """Minimisers of the tied solid."""
+
+    @property
+    def closing(self) -> tuple[Minimiser, ...]:
+        """Minimisers of the tied solid whose lumens touch themselves; none where no lumen can."""
+
+    @property
+    def released(self) -> Released:
+        """Minimisers of the released walls."""
+
+    def softer_in_bulk(self, count: int) -> tuple[Minimiser, ...]:
+        """Return minimisers of walls of smaller bulk moduli, with the first of the last `count` stages of contact."""
+
+    def problem_of(self, phase: str, *, only_leads: bool = False) -> Problem:
+        """Return the problem that steps of a phase solve; of released walls also the stage that leads to the last."""
+
+    def renew_budget(self) -> None:
+        """Give the minimisers of this mesh all of their iterations."""
+
+
+Scene = TypeVar("Scene", bound=Meshed)
+
+
+@dataclass(frozen=True, eq=False)
+class Refined(Generic[Scene]):
+    """A step on one mesh.
+
+    Attributes
+    ----------
+    level : int
+        Number of the mesh, 0 for that of the load path.
+    simulation : Simulation
+        The scene on this mesh.
+    problem : Problem
+        What it solves.
+    accepted : Accepted
+        The step, with the effort of all meshes.
+    errors : Errors
+        Its estimated errors.
+    is_judged : bool
+        Whether they are held to what is asked for: not where none can be estimated, nor of tied states, which walls are
+        released from.
+    only_leads : bool
+        Whether its contact only leads to the one that is meant.
+    """
+
+    level: int
+    simulation: Scene
+    problem: Problem
+    accepted: Accepted
+    errors: Errors
+    is_judged: bool
+    only_leads: bool = False
