@@ -201,8 +201,9 @@ def rested(minimiser: Minimiser, minimum: Minimum, path: Continuation, lowest: f
                 minimum = at_rest(minimiser, minimum, path.scale, options.resting, options, share, lowest)
             weight, is_last = max(weight / 10, options.last), False
             continue
-        enough = options.refined * minimiser.problem.magnitude(minimum.state)
-        if is_last or minimum.decrement <= enough:
+        magnitude = minimiser.problem.magnitude(minimum.state)
+        enough, nothing = options.refined * magnitude, options.nothing * magnitude
+        if is_last or minimum.decrement <= (nothing if minimum.ending is Ending.STALLED else enough):
             break
         is_last, last = True, minimum
         if minimum.proximal.weight < firm:
@@ -210,8 +211,7 @@ def rested(minimiser: Minimiser, minimum: Minimum, path: Continuation, lowest: f
         else:
             place, name = minimum.state.displacement, minimum.proximal.weight / path.scale
             minimum, _ = minimised(minimiser, place, minimum.proximal, 0.0, name, enough, lowest=lowest)
-        is_at_kink = last.decrement <= options.nothing * minimiser.problem.magnitude(last.state)
-        if minimum.ending is Ending.NO_DESCENT and is_at_kink:
+        if minimum.ending is Ending.NO_DESCENT and last.decrement <= nothing:
             minimum = last
     return replace(minimum, to_fall=to_fall)
 
@@ -253,13 +253,16 @@ def until_conditions_hold(
         if was_increased:
             minimiser.problem.increase_penalty()
         before = float("inf") if is_met else missed  # by a finer rule, what was missed before says nothing
-        start, tolerance = minimum.state.displacement, options.update * energy
+        of_note = options.nothing * minimiser.problem.magnitude(minimum.state) if is_nothing else energy
+        start, tolerance = minimum.state.displacement, options.update * max(energy, of_note)
         if options.sufficient:
             start = with_foreseen_multipliers(minimiser, minimum, missed, max(options.foreseen * missed, met / 10))
         last = minimum
         minimum, _ = minimised(minimiser, start, minimum.proximal, options.at_the_end, name, tolerance, options.cycling)
         if minimum.ending is Ending.NO_DESCENT and is_nothing:
-            return replace(last, state=minimiser.problem.at(last.state.displacement), decrement=minimum.decrement)
+            state = minimiser.problem.at(last.state.displacement)
+            ending = Ending.STALLED if options.sufficient else last.ending  # where no accuracy is asked for, it goes on
+            return replace(last, state=state, ending=ending, decrement=minimum.decrement)
         if not minimum.is_found:
             return minimum
         cycles = minimum.ending is Ending.STALLED

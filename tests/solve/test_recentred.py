@@ -190,8 +190,11 @@ def stuck(minimiser: Minimiser, start: np.ndarray, proximal: ProximalTerm, *_: o
     return Minimum(minimiser.problem.at(start), Ending.NO_DESCENT, 1.0, proximal), minimiser.effort
 
 
-@pytest.mark.parametrize(("energy", "ending"), [(1e-13, Ending.CONVERGED), (1e-3, Ending.NO_DESCENT)])
-def test_conditions_that_miss_nothing_to_speak_of_may_end_at_a_kink(monkeypatch, energy, ending):
+@pytest.mark.parametrize(
+    ("energy", "accuracy", "ending"),
+    [(1e-13, np.inf, Ending.CONVERGED), (1e-13, 0.01, Ending.STALLED), (1e-3, 0.01, Ending.NO_DESCENT)],
+)
+def test_conditions_that_miss_nothing_to_speak_of_may_end_at_a_kink(monkeypatch, energy, accuracy, ending):
     class Kinked(Bowl):
         def update_multipliers(self, state: Point) -> tuple[float, float]:
             return 1e-6, energy
@@ -199,10 +202,40 @@ def test_conditions_that_miss_nothing_to_speak_of_may_end_at_a_kink(monkeypatch,
     minimiser = Minimiser(Kinked(), 1.0, energy_scale=1.0)
     minimum = Minimum(minimiser.problem.at(np.zeros(3)), Ending.CONVERGED, 1e-13, NOWHERE)
     monkeypatch.setattr("ngcell.solve.continuation.minimised", stuck)
-    found = until_conditions_hold(minimiser, minimum, 1.0, ContinuationOptions())
+    options = ContinuationOptions() if np.isinf(accuracy) else ContinuationOptions().within(accuracy)
+    found = until_conditions_hold(minimiser, minimum, 1.0, options)
     assert found.ending is ending
     np.testing.assert_array_equal(found.state.displacement, minimum.state.displacement)
     assert found.decrement == 1.0  # multipliers have changed since that of the minimum before
+
+
+def test_at_a_kink_no_last_digits_are_looked_for_once_more(monkeypatch):
+    options, minimiser = ContinuationOptions().within(0.01), Minimiser(Bowl(), 1.0, energy_scale=1.0)
+    state = minimiser.problem.at(np.array([1.0, 0.0, 0.0]))
+    stalled = Minimum(state, Ending.STALLED, options.nothing * abs(state.energy) / 2, NOWHERE)
+    assert rested(minimiser, stalled, Continuation(1e-9, options)).state is state
+    assert minimiser.effort.iterations == 0
+    for other in (replace(stalled, ending=Ending.CONVERGED), replace(stalled, decrement=1e-3)):
+        assert rested(minimiser, other, Continuation(1e-9, options)).decrement < stalled.decrement
+    assert minimiser.effort.iterations > 0
+
+
+def test_what_misses_nothing_to_speak_of_is_followed_no_further(monkeypatch):
+    asked = []
+
+    class Missing(Bowl):
+        def update_multipliers(self, state: Point) -> tuple[float, float]:
+            return (0.0, 0.0) if asked else (1e-6, 1e-20)
+
+    def noting(minimiser: Minimiser, start: np.ndarray, proximal: ProximalTerm, *given: object) -> tuple:
+        asked.append(given[2])
+        return Minimum(minimiser.problem.at(start), Ending.CONVERGED, 0.0, proximal), minimiser.effort
+
+    minimiser, options = Minimiser(Missing(), 1.0, energy_scale=1.0), ContinuationOptions().within(0.01)
+    minimum = Minimum(minimiser.problem.at(np.zeros(3)), Ending.CONVERGED, 1e-13, NOWHERE)
+    monkeypatch.setattr("ngcell.solve.continuation.minimised", noting)
+    until_conditions_hold(minimiser, minimum, 1.0, options)
+    assert asked == [options.update * options.nothing * minimiser.problem.magnitude(minimum.state)]
 
 
 def test_states_that_multipliers_take_over_from_need_no_last_digits():
