@@ -10,7 +10,7 @@ from tools.commands import Commands
 commands = Commands(
     "tools.studies",
     ("accuracy", "agreement", "averaged", "cohesion", "cohesion-curves", "constants", "contact-kinds", "cost",
-     "ensemble-curves", "figures", "growing", "irregular", "kinds", "last-digits", "members", "phases",
+     "ensemble-curves", "equal-error", "figures", "growing", "irregular", "kinds", "last-digits", "members", "phases",
      "plain-newton", "rupture-map", "scaling", "settings", "sweeps", "work-precision"),
     __doc__,
 )  # fmt: skip
