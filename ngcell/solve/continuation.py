@@ -240,8 +240,8 @@ def until_conditions_hold(
     beside the accuracy. Without one they are updated one by one.
     """
     before, was_increased, spent = float("inf"), False, minimiser.effort.iterations
-    met = options.condition * length
     for _ in range(options.most_updates):
+        met = _met(minimiser, minimum, options.condition * length, options.missed_work)
         missed, energy = minimiser.problem.update_multipliers(minimum.state)
         is_nothing = 0 < energy <= options.nothing * minimiser.problem.magnitude(minimum.state)
         helpless = was_increased and missed > before / 2 and is_nothing
@@ -269,6 +269,16 @@ def until_conditions_hold(
         if cycles and most is not None and minimiser.effort.iterations - spent > most:
             break
     return replace(minimum, ending=Ending.CONDITIONS_MISSED)
+
+
+def _met(minimiser: Minimiser, minimum: Minimum, length: float, share: float) -> float:
+    """Return the length by which conditions may be missed: less than a length where walls are so stiff that the work of
+    contact pressures on it would be more than a share of the energy."""
+    problem, state = minimiser.problem, minimum.state
+    if not problem.has_multipliers:
+        return length
+    force = float(np.abs(problem.gradient_of_constraints(state)).sum())
+    return length if not force else min(length, share * problem.magnitude(state) / force)
 
 
 def _without_round_off(place: Array, minimiser: Minimiser, last_digit: float) -> Array:

@@ -59,6 +59,8 @@ class ContinuationOptions:
     condition, most_updates, foreseen : float, int, float
         Length by which conditions may be missed at the end, the most updates to get there, and the share of missed
         conditions that multipliers which are foreseen may leave in their model.
+    missed_work : float
+        Work of contact pressures on missed lengths, as a share of the energy, a tenth of what the certificate allows.
     cycling : int
         Iterations of one minimisation that are active-set cycling, on the last stretch and between multiplier updates.
     slow, nothing : float
@@ -103,6 +105,7 @@ class ContinuationOptions:
     condition: float = 1e-12
     most_updates: int = 40
     foreseen: float = 1e-3
+    missed_work: float = 1e-7
     cycling: int = 200
     slow: float = 0.1
     nothing: float = 1e-11

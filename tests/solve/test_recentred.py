@@ -238,6 +238,26 @@ def test_what_misses_nothing_to_speak_of_is_followed_no_further(monkeypatch):
     assert asked == [options.update * options.nothing * minimiser.problem.magnitude(minimum.state)]
 
 
+@pytest.mark.parametrize(("force", "updates"), [(1.0, 4), (1e3, 5)])
+def test_the_larger_pressures_are_beside_the_energy_the_less_multipliers_may_miss(force, updates):
+    asked = []
+
+    class Pressed(Bowl):
+        def gradient_of_constraints(self, state: Point) -> np.ndarray:
+            return np.array([force, 0.0, 0.0])
+
+        def update_multipliers(self, state: Point) -> tuple[float, float]:
+            asked.append(10.0 ** -(3 + 2 * len(asked)))
+            return asked[-1], 1e-3
+
+    minimiser, options = Minimiser(Pressed(has_multipliers=True), 1.0, energy_scale=1.0), ContinuationOptions(condition=1e-8)
+    start = Minimum(minimiser.problem.at(np.ones(3)), Ending.CONVERGED, 0.0, NOWHERE)
+    found = until_conditions_hold(minimiser, start, 1.0, options)
+    assert found.is_found and len(asked) == updates
+    magnitude = minimiser.problem.magnitude(found.state)
+    assert asked[-1] * force <= options.missed_work * magnitude < asked[-2] * force or asked[-1] <= 1e-8 < asked[-2]
+
+
 def test_states_that_multipliers_take_over_from_need_no_last_digits():
     path, spent = Continuation(1.0, ContinuationOptions().within(0.1)), []
     for share in (path.options.of_leading, np.inf):
