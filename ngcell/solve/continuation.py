@@ -234,10 +234,11 @@ def until_conditions_hold(
 ) -> Minimum:
     """Update multipliers and minimise in turn until what is missed is nothing beside `length`.
 
-    Where the active set cycles, it goes on for at most so many iterations; where nothing to speak of is missed, and no
-    step lowers the energy, as at a kink, it ends where it is. Multipliers are foreseen where an accuracy is asked for:
-    those that updates approach slowly, as of confined walls, then miss by some times what is judged, which is nothing
-    beside the accuracy. Without one they are updated one by one.
+    Where the active set cycles, it goes on for at most so many iterations. Where nothing to speak of is missed, no
+    minimisation is more exact than that asks for, and where no step lowers the energy, as at a kink, it ends there.
+    Multipliers are foreseen where an accuracy is asked for: those that updates approach slowly, as of confined walls,
+    then miss by some times what is judged, which is nothing beside the accuracy. Without one they are updated one by
+    one.
     """
     before, was_increased, spent = float("inf"), False, minimiser.effort.iterations
     for _ in range(options.most_updates):

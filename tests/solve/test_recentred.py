@@ -250,7 +250,8 @@ def test_the_larger_pressures_are_beside_the_energy_the_less_multipliers_may_mis
             asked.append(10.0 ** -(3 + 2 * len(asked)))
             return asked[-1], 1e-3
 
-    minimiser, options = Minimiser(Pressed(has_multipliers=True), 1.0, energy_scale=1.0), ContinuationOptions(condition=1e-8)
+    options = ContinuationOptions(condition=1e-8)
+    minimiser = Minimiser(Pressed(has_multipliers=True), 1.0, energy_scale=1.0)
     start = Minimum(minimiser.problem.at(np.ones(3)), Ending.CONVERGED, 0.0, NOWHERE)
     found = until_conditions_hold(minimiser, start, 1.0, options)
     assert found.is_found and len(asked) == updates

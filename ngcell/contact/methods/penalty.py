@@ -148,7 +148,8 @@ class PenaltyContact:
     def _take_back(self) -> None:
         """Let all bodies have the stiffness that was derived, and the usual rule."""
         count = len(self.walls.thickness)
-        self._factor, self._is_refined = np.ones(count), np.zeros(count, dtype=bool)
+        self._factor = self._softer = np.ones(count)
+        self._is_refined = np.zeros(count, dtype=bool)
         self._search = self._usual
 
     @cached_property
@@ -170,12 +171,12 @@ class PenaltyContact:
     def stiffen(self) -> bool:
         """Make the penalty terms of all bodies stiffer, if any may be; tell whether."""
         may = STIFFEN * self.raised * self._options.penalty_multiple <= self._options.most_multiple * (1 + 1e-9)
-        self._factor = self._factor * STIFFEN if may else self._factor
+        self._softer, self._factor = self._factor.copy(), self._factor * (STIFFEN if may else 1.0)
         return may
 
     def soften(self) -> None:
-        """Take the last `stiffen` back."""
-        self._factor = self._factor / STIFFEN
+        """Take the last `stiffen` back, and what has been raised since."""
+        self._factor = self._softer.copy()
 
     def stiffen_as(self, coarse: PenaltyContact) -> None:
         """Have at least the stiffness of each body on a coarser mesh, whose own may have been raised."""

@@ -82,7 +82,7 @@ class Adapting(Protocol):
         """Make all penalty terms stiffer, and tell whether they may be any stiffer."""
 
     def soften(self) -> None:
-        """Take the last `stiffen` back."""
+        """Take the last `stiffen` back, and what has been raised since."""
 
     def stiffen_as(self, coarse: Any) -> None:
         """Be at least as stiff as the same method on a coarser mesh."""
