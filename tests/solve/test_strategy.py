@@ -174,6 +174,7 @@ class FakeMinimiser:
     limits: list[int | None] = field(default_factory=list)
 
     problem = SimpleNamespace(
+        has_multipliers=False,
         dimension=3,
         free=np.ones(1, dtype=bool),
         expand=lambda displacement: displacement,
