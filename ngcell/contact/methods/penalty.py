@@ -75,8 +75,7 @@ class PenaltySet:
     @property
     def keys(self) -> Index:
         """What tells the penalty terms of different states apart: the point and the other body."""
-        pairs = self.kinematics.pairs
-        return pairs.point * self.body_count + self.other_body
+        return self.kinematics.pairs.point * self.body_count + self.other_body
 
     @property
     def lowered(self) -> None:
@@ -148,7 +147,7 @@ class PenaltyContact:
     def _take_back(self) -> None:
         """Let all bodies have the stiffness that was derived, and the usual rule."""
         count = len(self.walls.thickness)
-        self._factor = self._softer = np.ones(count)
+        self._factor, self._firm = np.ones(count), 1.0
         self._is_refined = np.zeros(count, dtype=bool)
         self._search = self._usual
 
@@ -171,17 +170,18 @@ class PenaltyContact:
     def stiffen(self) -> bool:
         """Make the penalty terms of all bodies stiffer, if any may be; tell whether."""
         may = STIFFEN * self.raised * self._options.penalty_multiple <= self._options.most_multiple * (1 + 1e-9)
-        self._softer, self._factor = self._factor.copy(), self._factor * (STIFFEN if may else 1.0)
+        self._softer, by = self._factor, STIFFEN if may else 1.0
+        self._factor, self._firm = self._factor * by, self._firm * by
         return may
 
     def soften(self) -> None:
         """Take the last `stiffen` back, and what has been raised since."""
-        self._factor = self._softer.copy()
+        self._factor, self._firm = self._softer, self._firm / STIFFEN
 
     def stiffen_as(self, coarse: PenaltyContact) -> None:
-        """Have at least the stiffness of each body on a coarser mesh, whose own may have been raised."""
-        theirs = np.zeros_like(self._factor)
-        np.maximum.at(theirs, coarse.walls.body, coarse.stiffness)
+        """Have at least the stiffness of a coarser mesh, without what turned out too soft there only."""
+        self._firm, theirs = coarse._firm, np.zeros_like(self._factor)
+        np.maximum.at(theirs, coarse.walls.body, self._firm * coarse._derived)
         np.maximum.at(self._factor, self.walls.body, theirs[self.walls.body] / self._derived)
 
     def pair(self, positions: Array) -> PenaltySet:
