@@ -13,12 +13,12 @@ from ngcell.problem.problem import Problem
 from ngcell.results.equilibrium import Setup
 from ngcell.results.error import Errors
 from ngcell.solve.minimise import Minimiser
-from ngcell.solve.released import Released
 from ngcell.solve.step import Accepted
+from ngcell.solve.strategies.strategy import Problems
 
 
-class Meshed(Protocol):
-    """A scene on one mesh; see `ngcell.build.simulation.Simulation`."""
+class Meshed(Problems, Protocol):
+    """A scene on one mesh: its problems, and what else steps on it need; see `ngcell.build.simulation.Simulation`."""
 
     clock: Clock
     options: Options
@@ -26,26 +26,11 @@ class Meshed(Protocol):
     space: DisplacementSpace
     motion: PrescribedMotion
 
-    @property
-    def tied(self) -> tuple[Minimiser, ...]:
-        """Minimisers of the tied solid."""
-
-    @property
-    def closing(self) -> tuple[Minimiser, ...]:
-        """Minimisers of the tied solid whose lumens touch themselves; none where no lumen can."""
-
-    @property
-    def released(self) -> Released:
-        """Minimisers of the released walls."""
-
     def softer_in_bulk(self, count: int) -> tuple[Minimiser, ...]:
         """Return minimisers of walls of smaller bulk moduli, with the first of the last `count` stages of contact."""
 
     def problem_of(self, phase: str, *, only_leads: bool = False) -> Problem:
         """Return the problem that steps of a phase solve; of released walls also the stage that leads to the last."""
-
-    def renew_budget(self) -> None:
-        """Give the minimisers of this mesh all of their iterations."""
 
 
 Scene = TypeVar("Scene", bound=Meshed)

@@ -244,7 +244,8 @@ def until_conditions_hold(
     for _ in range(options.most_updates):
         met = _met(minimiser, minimum, options.condition * length, options.missed_work)
         missed, energy = minimiser.problem.update_multipliers(minimum.state)
-        is_nothing = 0 < energy <= options.nothing * minimiser.problem.magnitude(minimum.state)
+        nothing = options.nothing * minimiser.problem.magnitude(minimum.state)
+        is_nothing = 0 < energy <= nothing
         helpless = was_increased and missed > before / 2 and is_nothing
         is_met = missed <= met or helpless
         if is_met and not minimiser.problem.take_finer_rule(minimum.state):
@@ -254,8 +255,7 @@ def until_conditions_hold(
         if was_increased:
             minimiser.problem.increase_penalty()
         before = float("inf") if is_met else missed  # by a finer rule, what was missed before says nothing
-        of_note = options.nothing * minimiser.problem.magnitude(minimum.state) if is_nothing else energy
-        start, tolerance = minimum.state.displacement, options.update * max(energy, of_note)
+        start, tolerance = minimum.state.displacement, options.update * (nothing if is_nothing else energy)
         if options.sufficient:
             start = with_foreseen_multipliers(minimiser, minimum, missed, max(options.foreseen * missed, met / 10))
         last = minimum

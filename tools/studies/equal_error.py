@@ -52,7 +52,8 @@ def run_of(scene: str, kind: str, accuracy: float) -> Run:
 def numbers_of(run: Run) -> np.ndarray:
     """Return energy, plate force and mean gap of each released level, shape (levels, 3)."""
     names = "energy", "plate_force_x", "plate_force_y", "mean_gap"
-    energy, *force, gap = np.array([[float(row[name]) for name in names] for row in run.levels()]).T
+    rows = [[float(row[name]) for name in names] for row in run.levels()]
+    energy, *force, gap = np.reshape(rows, (-1, len(names))).T
     return np.column_stack([energy, np.hypot(*force), gap])
 
 
@@ -104,7 +105,8 @@ def report(rows: Sequence[Row]) -> str:
     ]  # fmt: skip
     ratios = []
     for row in rows:
-        penalty = [one for one in rows if (one["scene"], one["contact"]) == (row["scene"], "penalty")]
+        same = [one for one in rows if (one["scene"], one["contact"]) == (row["scene"], "penalty")]
+        penalty = [one for one in same if one["energy"]]
         if row["contact"] == "penalty" or not penalty or not row["energy"]:
             continue
         seconds, is_bound = seconds_at(largest_error(row), penalty)
