@@ -202,7 +202,7 @@ class Observer:
             problem,
             state,
             load_factor=accepted.load_factor,
-            proximal_force=-proximal.gradient(state.displacement, problem.mass),
+            proximal_force=-proximal.gradient(state.displacement, problem.metric),
             before=checkpoint.work.get(accepted.phase),
             path=path,
             judged=judged,

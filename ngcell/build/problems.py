@@ -179,7 +179,10 @@ class Problems:
 
     def _tied_problems(self, contact: Sequence[Term]) -> tuple[Problem, ...]:
         stages = [(*terms, *contact) for terms in self._volume_stages]
-        return tuple(Problem(self.space, terms, self.motion.fixed, tie=self._tie) for terms in stages)
+        return tuple(self._problem(terms, self._tie) for terms in stages)
+
+    def _problem(self, terms: Sequence[Term], tie: Tie | None = None) -> Problem:
+        return Problem(self.space, terms, self.motion.fixed, tie=tie, length=self._scales.length)
 
     @cached_property
     def tied_problems(self) -> tuple[Problem, ...]:
@@ -199,7 +202,7 @@ class Problems:
         return tuple((stage, *mine) for stage, mine in zip(self._contact_stages, within, strict=True))
 
     def _released_problem(self, terms: Sequence[Term], contact: Sequence[Term]) -> Problem:
-        return Problem(self.space, (*terms, *contact, *self.cohesion), self.motion.fixed)
+        return self._problem((*terms, *contact, *self.cohesion))
 
     @cached_property
     def released_problems(self) -> tuple[Problem, ...]:
@@ -228,7 +231,7 @@ class Problems:
     @property
     def released(self) -> Released:
         """Minimisers of the released walls, and the continuation that selects one of their equilibria."""
-        apart = Problem(self.space, (*self._stages_of_released[0], *self.cohesion), self.motion.fixed)
+        apart = self._released_problem(self._stages_of_released[0], ())
         return Released(
             self._minimiser(apart, self.longest_step),
             tuple(self._minimiser(problem, self.longest_step) for problem in self.released_problems),

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ngcell.geometry.bodies import FILLING, BodyMesh
+from ngcell.geometry.bodies import BodyMesh
 from ngcell.mechanics.term import Configuration
 
 Array = NDArray[np.float64]
@@ -98,18 +98,11 @@ class DisplacementSpace:
         return csr_matrix(form.mat)
 
     @cached_property
-    def filling_metric(self) -> sparse.csr_array | None:
-        """Squared gradients of one component in what fills lumens, times the squared size of a lumen
-        [length**dimension], shape (size, size); None where nothing does."""
-        is_filling, region = self.bodies.is_filling, self.mesh.Materials(FILLING)
-        if is_filling is None or not is_filling.any():
-            return None
-        filled = len(np.unique(self.bodies.body_of_element[is_filling]))
-        volume = ngsolve.Integrate(ngsolve.CF(1) * ngsolve.dx(definedon=region), self.mesh) / filled
+    def scalar_slopes(self) -> sparse.csr_array:
+        """Matrix of the squared gradient of one component [length**(dimension - 2)], shape (size, size)."""
         trial, test = self.scalar.TnT()
         form = ngsolve.BilinearForm(self.scalar)
-        slopes = ngsolve.grad(trial) * ngsolve.grad(test)
-        form += volume ** (2 / self.dimension) * slopes * ngsolve.dx(definedon=region)
+        form += ngsolve.grad(trial) * ngsolve.grad(test) * ngsolve.dx
         form.Assemble()
         return csr_matrix(form.mat)
 

@@ -28,6 +28,7 @@ from ngcell.problem.unknowns import OwnUnknowns, TiedUnknowns, UnknownMap
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+Mask = NDArray[np.bool_]
 
 
 class Problem:
@@ -43,14 +44,16 @@ class Problem:
         Unknowns with prescribed displacement.
     tie : Tie, optional
         Ties between walls; by default bodies move by themselves.
+    length : float, optional
+        Half of the diameter of a body [length], by default what the space says.
     """
 
     def __init__(
-        self, space: DisplacementSpace, terms: Sequence[Term], fixed: NDArray[np.bool_], *, tie: Tie | None = None
+        self, space: DisplacementSpace, terms: Sequence[Term], fixed: Mask, *, tie: Tie | None = None, length: float = 0
     ) -> None:
         self.space, self._sum = space, fused(terms)
         self.terms: tuple[Term, ...] = parts_of(self._sum)
-        self.fixed = fixed.ravel()
+        self.fixed, self._length = fixed.ravel(), length or space.bodies.length
         self.unknowns: UnknownMap = OwnUnknowns(self.fixed) if tie is None else TiedUnknowns(tie, space, self.fixed)
         self.free = self.unknowns.free
 
@@ -65,15 +68,15 @@ class Problem:
         return np.tile(self.space.body_of_unknown, self.dimension)
 
     @cached_property
-    def mass(self) -> sparse.csr_array:
-        """Mass matrix, shape (unknowns, unknowns); the metric of the solver's proximal term."""
-        return self._of_all_components(self.space.scalar_mass)
+    def metric(self) -> sparse.csr_array:
+        """Metric of the solver's proximal term and damping, shape (unknowns, unknowns): squared displacements, and
+        squared gradients times the squared diameter of a body, which holds large and small elements alike."""
+        return self._of_all_components(self.space.scalar_mass + (2 * self._length) ** 2 * self.space.scalar_slopes)
 
     @cached_property
-    def damping_metric(self) -> sparse.csr_array:
-        """What damping is a multiple of: the mass matrix, and strains of fillings of tied solids, which fold first."""
-        of_fillings = None if isinstance(self.unknowns, OwnUnknowns) else self.space.filling_metric
-        return self.mass if of_fillings is None else self.mass + self._of_all_components(of_fillings)
+    def mass(self) -> sparse.csr_array:
+        """Mass matrix, shape (unknowns, unknowns); the metric of curvatures."""
+        return self._of_all_components(self.space.scalar_mass)
 
     def _of_all_components(self, of_one: sparse.csr_array) -> sparse.csr_array:
         return self.unknowns.fold_matrix(sparse.block_diag([of_one] * self.dimension, format="csr"))
@@ -236,7 +239,7 @@ class Problem:
         """Let terms integrate by finer rules where theirs miss too much; tell whether any does."""
         return any([term.take_finer_rule(state.at) for term in self.terms if isinstance(term, SymbolicTerm)])
 
-    def folded(self, state: State) -> NDArray[np.bool_]:
+    def folded(self, state: State) -> Mask:
         """Return the bodies that store no finite energy, since something in them is turned inside out."""
         return ~np.isfinite(stored_by(self.terms, state.at, self.space.body_count)[0])
 

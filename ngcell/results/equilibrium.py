@@ -71,10 +71,10 @@ class Setup:
 class Held(Protocol):
     """What holds floating bodies; see `ngcell.solve.proximal.ProximalTerm`."""
 
-    def value(self, displacement: Array, mass: sparse.csr_array) -> float:
+    def value(self, displacement: Array, metric: sparse.csr_array) -> float:
         """Return its energy."""
 
-    def gradient(self, displacement: Array, mass: sparse.csr_array) -> Array:
+    def gradient(self, displacement: Array, metric: sparse.csr_array) -> Array:
         """Return its gradient."""
 
 
@@ -121,9 +121,9 @@ def numbers_of(setup: Setup, problem: Problem, state: State, proximal: Held, to_
     By `to_fall` [energy] the energy may fall while bodies that hardly anything holds move on.
     """
     at, displacement = state.displacement, state.at.displacement
-    pull = -proximal.gradient(at, problem.mass)
+    pull = -proximal.gradient(at, problem.metric)
     balance = balance_of(setup, problem, state, pull)
-    proximal_energy = proximal.value(at, problem.mass)
+    proximal_energy = proximal.value(at, problem.metric)
     energy, held = state.energy - problem.unstored(state.at), setup.facing.between_held(balance.free_bodies)
     scales = scales_of(problem.space, setup.modulus, energy)
     # Pressures all around a body have no resultant.

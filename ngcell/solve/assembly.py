@@ -14,7 +14,7 @@ from ngcell.solve.options import MinimiserOptions
 from ngcell.solve.problem import Linearisation, Problem, State
 from ngcell.solve.proximal import ProximalTerm
 from ngcell.solve.stiffness import Stiffness
-from ngcell.solve.system import System, direct_system, iterative_system
+from ngcell.solve.system import System, direct_system, iterative_system, lower_triangle
 from ngcell.solve.width import width_of_bodies
 
 Array = NDArray[np.float64]
@@ -47,9 +47,9 @@ class Assembly:
         with self.clock.phase("assembly"):
             self.make_system(state)
             system, free = self.system, self.problem.free
-            values = system.mass.add(system.of_pattern(line.stiffness), proximal.weight)
+            values = system.metric.add(system.of_pattern(line.stiffness), proximal.weight)
             moving = None if line.curvature is None else line.curvature.tocsr()
-            gradient = line.gradient + proximal.gradient(state.displacement, self.problem.mass)
+            gradient = line.gradient + proximal.gradient(state.displacement, self.problem.metric)
             gradient, stiffness = np.where(free, gradient, 0.0), Stiffness(values, moving)
             model = OneSidedModel(gradient, stiffness, line.gap, line.jacobian, line.penalty, free)
             return model, system.matrix
@@ -58,7 +58,14 @@ class Assembly:
         """Return a model with a damping of each body, an array of shape (bodies,) [stress / length**2]."""
         if not damping.any():
             return model
-        values = self.system.damping.add(model.stiffness.values.copy(), damping[self.problem.part])
+        values = self.system.metric.add(model.stiffness.values.copy(), damping[self.problem.part])
+        return replace(model, stiffness=replace(model.stiffness, values=values))
+
+    def massive(self, model: OneSidedModel, weight: float) -> OneSidedModel:
+        """Return a model with a multiple of the mass matrix [stress / length**2]."""
+        row, column, entries = lower_triangle(self.problem.mass)
+        values = model.stiffness.values.copy()
+        values[self.system.matrix.locate(row, column)] += weight * entries
         return replace(model, stiffness=replace(model.stiffness, values=values))
 
     def adopt(self, other: Assembly) -> None:

@@ -3,7 +3,7 @@
 Released cells may float, and their corners may pass each other on either side: equilibria of the energy E are not
 unique, not even in energy. The one that is meant is the end of the path of minima of
 
-    E(u) + weight/2 |u - centre|^2        (mass norm)
+    E(u) + weight/2 |u - centre|^2        (norm of the metric)
 
 from a large weight to a vanishing one. It is a release by a ramp: the proximal term sets the walls free little by
 little. The path starts at the minimum without contact, which is unique under a large weight: at the centre walls touch

@@ -3,7 +3,7 @@
 In a tissue walls slide past corners here and there at once. Damped as one, all bodies would wait for the one whose step
 was foreseen worst; the energy is a sum over bodies and pairs of them, and so is what the model lacks. Between two
 places it is, body by body, half of the forces that the model did not foresee times the way (the trapezoidal rule).
-Damping weights are multiples of the mass matrix, ``sqrt(weight_i weight_j) M_ij``.
+Damping weights are multiples of the metric of displacements, ``sqrt(weight_i weight_j) M_ij``.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Damper:
     Parameters
     ----------
     metric : csr_array, shape (unknowns, unknowns)
-        What damping is a multiple of: the mass matrix, and what measures strains of fillings.
+        What damping is a multiple of.
     part : array of int, shape (unknowns,)
         Body of each unknown.
     options : MinimiserOptions

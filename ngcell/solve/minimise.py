@@ -1,6 +1,6 @@
 """Descent to a minimum of an energy with one-sided penalty terms: Newton's method with a proximal term.
 
-Each iteration minimises the second-order model of the energy plus ``damping/2 |d|^2`` in the mass norm. A step is taken
+Each iteration minimises the second-order model of the energy plus ``damping/2 |d|^2`` in a metric. A step is taken
 if the energy falls by a fair share of what the model foresaw; if not, or if the model is not convex along it, the
 damping is raised, in the bodies where the model fails (`ngcell.solve.damping`), and the model, still at hand, is
 minimised again. The damping falls with every good step and is exactly zero at the end, so it leaves no trace in the
@@ -71,7 +71,7 @@ class Minimiser:
 
     @cached_property
     def _damper(self) -> Damper:
-        return Damper(self.problem.damping_metric, self.problem.part, self.options)
+        return Damper(self.problem.metric, self.problem.part, self.options)
 
     @cached_property
     def _newton(self) -> Newton:
@@ -152,8 +152,8 @@ class Minimiser:
     def stiffened(self, minimum: Minimum, weight: float) -> Callable[[Array], Array]:
         """Return what solves with the tangent at a minimum plus a multiple of the mass; closed walls stay so."""
         line = self.problem.linearise(minimum.state)
-        proximal = replace(minimum.proximal, weight=minimum.proximal.weight + weight)
-        model, matrix = self.assembly.model(minimum.state, line, proximal)
+        model, matrix = self.assembly.model(minimum.state, line, replace(minimum.proximal, weight=0.0))
+        model = self.assembly.massive(model, weight)
         closed = np.flatnonzero(model.gap < 0)
         matrix.factorise(model.stiffness, model.jacobian[closed], model.penalty[closed])
         self.effort.factorisations += 1
@@ -183,7 +183,7 @@ class Minimiser:
 
     def proximal_energy(self, displacement: Array, proximal: ProximalTerm) -> float:
         """Return the energy of a proximal term."""
-        return proximal.value(displacement, self.problem.mass)
+        return proximal.value(displacement, self.problem.metric)
 
     def total(self, state: State, proximal: ProximalTerm) -> float:
         """Return the energy with that of a proximal term."""
@@ -295,6 +295,6 @@ class Minimiser:
         if not np.isfinite(trial.energy):
             return self.problem.folded(trial).astype(float)
         with self.clock.phase("assembly"):
-            found = self.problem.gradient(trial) + proximal.gradient(trial.displacement, self.problem.mass)
+            found = self.problem.gradient(trial) + proximal.gradient(trial.displacement, self.problem.metric)
             foreseen = model.gradient_after(matrix.multiply(model.stiffness, step), model.jacobian @ step)
         return self._damper.by_body(np.where(self.problem.free, 0.5 * (found - foreseen) * step, 0.0))

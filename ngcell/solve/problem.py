@@ -89,12 +89,12 @@ class Problem(Protocol):
         """Body of each unknown: what unknowns of different bodies have in common are constraints and ties only."""
 
     @property
-    def mass(self) -> sparse.csr_array:
-        """Metric of displacements, shape (unknowns, unknowns)."""
+    def metric(self) -> sparse.csr_array:
+        """Metric of displacements, shape (unknowns, unknowns): the proximal term and damping are multiples of it."""
 
     @property
-    def damping_metric(self) -> sparse.csr_array:
-        """What damping of steps is a multiple of, shape (unknowns, unknowns), or that of displacements itself."""
+    def mass(self) -> sparse.csr_array:
+        """Mass matrix, shape (unknowns, unknowns): the metric of curvatures."""
 
     @property
     def pattern(self) -> tuple[Index, Index]:

@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class ProximalTerm:
-    """The energy ``weight/2 |u - centre|^2`` in the mass norm (Rockafellar 1976, doi:10.1137/0314056).
+    """The energy ``weight/2 |u - centre|^2`` in the norm of a metric (Rockafellar 1976, doi:10.1137/0314056).
 
     Attributes
     ----------
@@ -26,11 +26,11 @@ class ProximalTerm:
     weight: float
     centre: Array
 
-    def value(self, displacement: Array, mass: sparse.csr_array) -> float:
+    def value(self, displacement: Array, metric: sparse.csr_array) -> float:
         """Return the energy."""
         away = displacement - self.centre
-        return 0.5 * self.weight * float(away @ (mass @ away))
+        return 0.5 * self.weight * float(away @ (metric @ away))
 
-    def gradient(self, displacement: Array, mass: sparse.csr_array) -> Array:
-        """Return its gradient, shape (unknowns,); its tangent is `weight` times the mass matrix."""
-        return np.asarray(self.weight * (mass @ (displacement - self.centre)))
+    def gradient(self, displacement: Array, metric: sparse.csr_array) -> Array:
+        """Return its gradient, shape (unknowns,); its tangent is `weight` times the metric."""
+        return np.asarray(self.weight * (metric @ (displacement - self.centre)))

@@ -141,7 +141,7 @@ class _Ways:
         if before is None:
             return place
         shrunk, moved = before[0] - way, place - before[1]
-        weighed, farthest = self.minimiser.problem.mass @ shrunk, float(np.abs(moved).max())
+        weighed, farthest = self.minimiser.problem.metric @ shrunk, float(np.abs(moved).max())
         if not farthest or not float(shrunk @ weighed):
             return place
         share = max(float(way @ weighed) / float(shrunk @ weighed), 0.0)
@@ -150,16 +150,19 @@ class _Ways:
 
 def pull_on_bodies(minimiser: Minimiser, minimum: Minimum, share: float) -> float:
     """Return the pull of the proximal term on a body, or on all together, over what is felt: a share of the largest
-    force on a body, or on all together of the force that goes through the supports, if that is more."""
+    force on a body, or on all together of the force that goes through the supports, if that is more; or, if that is
+    most, its nodal forces over that share of those within bodies."""
     problem, state = minimiser.problem, minimum.state
-    contact = problem.resultants(problem.gradient_of_constraints(state))
-    support = problem.resultants(np.where(problem.free, 0.0, problem.gradient(state)))
-    pull = problem.resultants(minimum.proximal.gradient(state.displacement, problem.mass))
+    gradient, constraints = problem.gradient(state), problem.gradient_of_constraints(state)
+    contact, support = problem.resultants(constraints), problem.resultants(np.where(problem.free, 0.0, gradient))
+    nodal = minimum.proximal.gradient(state.displacement, problem.metric)
+    pull, within = problem.resultants(nodal), float(np.linalg.norm(gradient - constraints))
     on_body = max(_largest(contact), _largest(support))
     on_all = max(on_body, force_through(support))
     if not share * on_body > 0:
         return 0.0
-    return max(_largest(pull) / on_body, float(np.linalg.norm(pull.sum(axis=0))) / on_all) / share
+    of_nodes = float(np.linalg.norm(nodal)) / max(within, on_body)
+    return max(_largest(pull) / on_body, float(np.linalg.norm(pull.sum(axis=0))) / on_all, of_nodes) / share
 
 
 def force_through(forces: Array) -> float:

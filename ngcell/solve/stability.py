@@ -110,7 +110,7 @@ def _mode_near(minimiser: Minimiser, minimum: Minimum, weight: float, options: S
     theta, direction, rounds = _lanczos(solve, minimiser.problem.mass, free, options)
     # A sign that no symmetry of the direction makes a tie.
     sign = np.sign(direction @ _pattern(len(direction))) or 1.0
-    curvature = float(1 / theta) - weight - minimum.proximal.weight
+    curvature = float(1 / theta) - weight
     return Mode(curvature, np.asarray(sign * direction / np.abs(direction).max()), rounds)
 
 

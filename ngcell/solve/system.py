@@ -16,7 +16,7 @@ from ngcell.solve.problem import Problem
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
-#: Entries of the mass matrix that are added at once: few enough for a processor's cache.
+#: Entries of the metric that are added at once: few enough for a processor's cache.
 _AT_ONCE = 2**16
 SystemMatrix = CondensedMatrix | IterativeMatrix
 
@@ -61,14 +61,13 @@ class System:
         The matrix.
     bulk : array of int
         Where the entries of the problem's pattern stand among the values.
-    mass, damping : Metric
-        The mass matrix, and what damping is a multiple of.
+    metric : Metric
+        What the proximal term and damping are multiples of.
     """
 
     matrix: SystemMatrix
     bulk: Index
-    mass: Metric
-    damping: Metric
+    metric: Metric
 
     def of_pattern(self, stiffness: Array) -> Array:
         """Return the values of a matrix from those on the problem's pattern."""
@@ -97,19 +96,14 @@ def iterative_system(problem: Problem) -> System:
 
 
 def _system(problem: Problem, matrix_of: Callable[[Index, Index], SystemMatrix]) -> System:
-    """Return a matrix with room for all entries, and where they stand; metrics that are one matrix count once."""
-    mass, damping = problem.mass, problem.damping_metric
-    metrics = [_lower(metric) for metric in ([mass] if damping is mass else [mass, damping])]
-    places = [problem.pattern, *(metric[:2] for metric in metrics)]
-    matrix = matrix_of(*(np.concatenate(part) for part in zip(*places, strict=True)))
-    found = [
-        Metric(narrowed(matrix.locate(row, column)), narrowed(row), narrowed(column), entries)
-        for row, column, entries in metrics
-    ]
-    return System(matrix, narrowed(matrix.locate(*problem.pattern)), found[0], found[-1])
+    """Return a matrix with room for all entries, and where they stand."""
+    row, column, entries = lower_triangle(problem.metric)
+    matrix = matrix_of(*(np.concatenate(part) for part in zip(problem.pattern, (row, column), strict=True)))
+    metric = Metric(narrowed(matrix.locate(row, column)), narrowed(row), narrowed(column), entries)
+    return System(matrix, narrowed(matrix.locate(*problem.pattern)), metric)
 
 
-def _lower(matrix: sparse.csr_array) -> tuple[Index, Index, Array]:
+def lower_triangle(matrix: sparse.csr_array) -> tuple[Index, Index, Array]:
     """Return rows, columns and values of the lower triangle."""
     found = matrix.tocoo()
     row, column = (index.astype(np.int64) for index in found.coords)

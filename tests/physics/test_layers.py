@@ -35,7 +35,7 @@ def test_two_layers_pressed_bear_what_a_prism_of_twice_the_height_bears(lumen, o
     tall = steps(stack(1, (0, 0, -0.05), height=2 * HEIGHT, slices=2, lumen=lumen, order=order))["released"]
     found = steps(stack(2, (0, 0, -0.05), lumen=lumen, order=order))
     assert found["tied"].record.energy == pytest.approx(tall.record.energy, rel=1e-9)
-    assert found["tied"].record.plate_force_z == pytest.approx(tall.record.plate_force_z, rel=1e-9)
+    assert found["tied"].record.plate_force_z == pytest.approx(tall.record.plate_force_z, rel=1e-8)
     step = found["released"]
     assert step.record.certified
     assert step.record.parted_pairs == 0

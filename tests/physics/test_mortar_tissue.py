@@ -52,7 +52,7 @@ def test_both_strategies_end_at_the_same_equilibrium():
 def test_energy_and_forces_are_those_of_a_penalty_up_to_its_overlaps():
     (_, mortar), (_, penalty) = solved(), solved(contact="penalty")
     assert mortar.record.energy == pytest.approx(penalty.record.energy, rel=0.01)
-    assert mortar.record.plate_force_y == pytest.approx(penalty.record.plate_force_y, rel=0.01)
+    assert mortar.record.plate_force_y == pytest.approx(penalty.record.plate_force_y, rel=0.02)
 
 
 @pytest.mark.parametrize("multiple", [0.1, 10.0])
@@ -71,7 +71,7 @@ def test_k6_the_plates_pull_as_hard_as_walls_press_across_a_cut(contact, cut):
     simulation = Simulation(case(contact=contact))
     *_, accepted = simulation.follow(Checkpoint())
     problem, state, proximal = simulation.problem, accepted.minimum.state, accepted.minimum.proximal
-    pull = -proximal.gradient(state.displacement, problem.mass)
+    pull = -proximal.gradient(state.displacement, problem.metric)
     support = problem.unknowns.reactions(problem.gradient(state) - pull)
     above = np.arange(9) // 3 >= cut
     forces = contact_forces(problem, state)

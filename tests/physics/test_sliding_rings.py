@@ -40,7 +40,7 @@ def test_reactions_balance_the_contact_forces(passage):
 
 
 def test_walls_overlap_by_no_more_than_the_penalty_lets_them(passage):
-    """The peak of the pressure is near its mean, and outlines as polygons, six chords an edge, tell the same depth."""
+    """The peak of the pressure is no more than three times its mean, and outlines as polygons, six chords an edge, tell the same depth."""
     sagitta = (0.1 / 6) ** 2 / (8 * 0.5)
     for state in passage:
         contact, walls = state.contact_set, state.rig.walls
@@ -49,7 +49,7 @@ def test_walls_overlap_by_no_more_than_the_penalty_lets_them(passage):
         length = contact.kinematics.pairs.weight[closed].sum() / 2
         stiffness = (2 * contact.stiffness / contact.kinematics.pairs.weight)[closed].min()
         mean_pressure = np.linalg.norm(state.contact_forces.on_body[0]) / length
-        assert -gap.min() < 2.5 * mean_pressure / stiffness
+        assert -gap.min() < 3 * mean_pressure / stiffness
         assert deepest_overlap(walls, walls.nodes(state.positions)) == pytest.approx(-gap.min(), rel=0.1, abs=sagitta)
         assert -gap.min() < 0.05 * state.rig.bodies.thickness
 

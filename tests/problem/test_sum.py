@@ -13,7 +13,6 @@ from ngcell.build.simulation import Simulation
 from ngcell.contact.cohesion.bonds import bond_walls
 from ngcell.contact.cohesion.exponential import Cohesion
 from ngcell.contact.methods.terms import CohesionTerm, ContactTerm
-from ngcell.geometry.bodies import FILLING
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.sections import ring_mesh
 from ngcell.mechanics.applied.potential import AppliedLoads
@@ -307,22 +306,21 @@ def test_only_fluids_and_loads_are_driven_and_only_bodies_soften():
     assert ratios == [law.bulk_modulus / law.shear_modulus for law in (LAW, SOFT)]
 
 
-def test_damping_measures_strains_of_fillings_of_tied_solids_beside_the_mass():
-    def problem(tissue: SmallTissue, *, is_tied: bool) -> Problem:
-        fixed = np.zeros((2, tissue.space.size), dtype=bool)
-        return Problem(tissue.space, [tissue.bulk], fixed, tie=tissue.tie if is_tied else None)
-
+@pytest.mark.parametrize("is_tied", [False, True])
+def test_the_metric_measures_displacements_and_their_gradients_over_the_diameter_of_a_body(is_tied):
     tissue = cells(2, filled=True)
-    for other in (problem(cells(2), is_tied=True), problem(tissue, is_tied=False)):
-        assert other.damping_metric is other.mass
-    filled, space, gradient = problem(tissue, is_tied=True), tissue.space, np.array([[0.1, 0.2], [0.3, -0.4]])
-    everywhere = space.affine(gradient, np.array([1.0, 2.0])).ravel()
+    fixed = np.zeros((2, tissue.space.size), dtype=bool)
+    problem = Problem(tissue.space, [tissue.bulk], fixed, tie=tissue.tie if is_tied else None, length=1.5)
+    space, gradient, by = tissue.space, np.array([[0.1, 0.2], [0.3, -0.4]]), (1.0, 2.0)
+    everywhere = space.affine(gradient, np.array(by)).ravel()
     of_all = sparse.block_diag([space.scalar_mass] * 2, format="csr")
-    moved, *_ = np.linalg.lstsq(filled.mass.toarray(), filled.unknowns.gather(of_all @ everywhere))
-    np.testing.assert_allclose(filled.expand(moved), everywhere, atol=1e-9)
-    area = ngsolve.Integrate(ngsolve.CF(1) * ngsolve.dx(definedon=space.mesh.Materials(FILLING)), space.mesh)
-    strains = moved @ (filled.damping_metric - filled.mass) @ moved
-    assert strains == pytest.approx((gradient**2).sum() * area * area / 2)  # two lumens of the same size
+    moved, *_ = np.linalg.lstsq(problem.mass.toarray(), problem.unknowns.gather(of_all @ everywhere))
+    np.testing.assert_allclose(problem.expand(moved), everywhere, atol=1e-9)
+    place = ngsolve.CF((ngsolve.x, ngsolve.y))
+    squared = sum((float(a) * place[0] + float(b) * place[1] + c) ** 2 for (a, b), c in zip(gradient, by, strict=True))
+    volume = ngsolve.Integrate(ngsolve.CF(1), space.mesh)
+    expected = ngsolve.Integrate(squared, space.mesh) + 3.0**2 * (gradient**2).sum() * volume
+    assert moved @ (problem.metric @ moved) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("body", [0, 1])

@@ -162,7 +162,7 @@ def test_a_tied_solid_settles_under_own_terms(name):
     start = together.free * tissue.smooth(0.01, 1)
     minimum = tissue.minimiser(together).minimise(start, ProximalTerm(1e-3, start))
     assert minimum.ending is Ending.CONVERGED
-    left = together.gradient(minimum.state) + minimum.proximal.gradient(minimum.state.displacement, together.mass)
+    left = together.gradient(minimum.state) + minimum.proximal.gradient(minimum.state.displacement, together.metric)
     assert np.abs(left[together.free]).max() < 1e-8
 
 

@@ -44,7 +44,7 @@ def test_a_contact_that_is_not_balanced_yet_holds_nothing():
     problem, minimum = scene.problem_of("released"), accepted.minimum
 
     def balance(displacement: np.ndarray) -> Balance:
-        pull = -minimum.proximal.gradient(displacement, problem.mass)
+        pull = -minimum.proximal.gradient(displacement, problem.metric)
         return balance_of(scene.setup, problem, problem.at(displacement), pull)
 
     at_rest = minimum.state.displacement

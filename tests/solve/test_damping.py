@@ -38,7 +38,7 @@ class Bowls:
     dimension = 2
     free = np.ones(BODIES, dtype=bool)
     part = np.arange(BODIES)
-    mass = damping_metric = sparse.csr_array(np.eye(BODIES))
+    mass = metric = sparse.csr_array(np.eye(BODIES))
     pattern = (np.arange(BODIES), np.arange(BODIES))
 
     def __init__(self, sharp: int) -> None:

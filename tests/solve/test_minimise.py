@@ -51,7 +51,7 @@ class Landscape:
     visited: list[np.ndarray] = field(default_factory=list)
 
     mass, part = sparse.csr_array(np.eye(3)), np.zeros(3, dtype=int)
-    damping_metric = mass
+    metric = mass
     pattern = (np.arange(3), np.arange(3))
 
     def folded(self, state: Point) -> np.ndarray:

@@ -111,7 +111,7 @@ def test_the_equilibrium_balances_and_presses_back():
     tissue, step = sheared(), reference()
     state = step.minimum.state
     force = tissue.released.gradient(state)
-    proximal = step.minimum.proximal.gradient(state.displacement, tissue.released.mass)
+    proximal = step.minimum.proximal.gradient(state.displacement, tissue.released.metric)
     assert np.abs((force + proximal)[tissue.released.free]).max() < 1e-8
     low, high = (plate_force(tissue, step, name) for name in ("low", "high"))
     assert high[0] > 0
