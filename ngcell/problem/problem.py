@@ -42,10 +42,8 @@ class Problem:
         What the energy consists of. Problems that share symbolic terms share their form if these were fused before.
     fixed : array of bool, shape (dimension, size)
         Unknowns with prescribed displacement.
-    tie : Tie, optional
-        Ties between walls; by default bodies move by themselves.
-    length : float, optional
-        Half of the diameter of a body [length], by default what the space says.
+    tie, length : Tie, float, optional
+        Ties between walls, without which bodies move by themselves; half of the diameter of a body [length].
     """
 
     def __init__(
@@ -69,8 +67,7 @@ class Problem:
 
     @cached_property
     def metric(self) -> sparse.csr_array:
-        """Metric of the solver's proximal term and damping, shape (unknowns, unknowns): squared displacements, and
-        squared gradients times the squared diameter of a body, which holds large and small elements alike."""
+        """Metric of displacements: their squares, and those of gradients times the squared diameter of a body."""
         return self._of_all_components(self.space.scalar_mass + (2 * self._length) ** 2 * self.space.scalar_slopes)
 
     @cached_property

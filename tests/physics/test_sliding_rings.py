@@ -40,7 +40,7 @@ def test_reactions_balance_the_contact_forces(passage):
 
 
 def test_walls_overlap_by_no_more_than_the_penalty_lets_them(passage):
-    """The peak of the pressure is no more than three times its mean, and outlines as polygons, six chords an edge, tell the same depth."""
+    """The peak of the pressure is at most thrice its mean, and polygons, six chords an edge, tell the same depth."""
     sagitta = (0.1 / 6) ** 2 / (8 * 0.5)
     for state in passage:
         contact, walls = state.contact_set, state.rig.walls
