@@ -6,7 +6,7 @@ apart for the solver, and passes on to all terms what concerns their history and
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, reduce
 from operator import add
@@ -20,9 +20,11 @@ from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.stored import StoredEnergy
 from ngcell.mechanics.symbolic import SymbolicTerm, fused, parts_of
 from ngcell.mechanics.term import NO_ENTRIES, Configuration, Drive, OneSided, Role, Term
+from ngcell.problem.reports import deepest_overlap
 from ngcell.problem.rotation import finite_rotation_update
 from ngcell.problem.state import Linearisation, State
 from ngcell.problem.stored import stored_by
+from ngcell.problem.sums import total, whole_gradient
 from ngcell.problem.tie import Tie
 from ngcell.problem.unknowns import OwnUnknowns, TiedUnknowns, UnknownMap
 
@@ -116,7 +118,7 @@ class Problem:
 
     def gradient(self, state: State) -> Array:
         """Return the gradient of the whole energy, shape (unknowns,)."""
-        return self.unknowns.gather(_total(_whole_gradient(term, state.at) for term in self._sum))
+        return self.unknowns.gather(total(whole_gradient(term, state.at) for term in self._sum))
 
     def gradient_of_constraints(self, state: State) -> Array:
         """Return the part of it that is due to one-sided constraints."""
@@ -124,13 +126,13 @@ class Problem:
 
     def force(self, at: Configuration, role: Role) -> Array:
         """Return the sum of the gradients of all terms with a role, on all unknowns, shape (unknowns,)."""
-        found = [_whole_gradient(term, at) for term in self.terms if term.role is role]
-        return _total(found) if found else np.zeros_like(at.displacement)
+        found = [whole_gradient(term, at) for term in self.terms if term.role is role]
+        return total(found) if found else np.zeros_like(at.displacement)
 
     def linearise(self, state: State) -> Linearisation:
         """Return the second-order model about a state."""
         at = state.at
-        gradient = self.unknowns.gather(_total(term.gradient(at) for term in self._sum))
+        gradient = self.unknowns.gather(total(term.gradient(at) for term in self._sum))
         _ = self.pattern
         tangents = [tangent for term in self._sum if len(tangent := term.tangent(at))]
         stiffness = tangents[0] if len(tangents) == 1 else np.concatenate([np.zeros(0), *tangents])
@@ -203,6 +205,10 @@ class Problem:
     def overlap_work(self, at: Configuration) -> float:
         """Return forces times overlaps of all terms: by no more than that, rigid contact would change energies."""
         return sum(term.overlap_work(at) for term in self.terms)
+
+    def overlap(self, state: State) -> float:
+        """Return the deepest overlap of bodies over the thickness of the thinner one."""
+        return deepest_overlap(self.terms, state.at, self.space.bodies.thickness_of_body) or 0.0
 
     def drives(self, displacement: Array, load_factor: float) -> tuple[Drive, ...]:
         """Return how driven terms take in work, one after the other."""
@@ -289,12 +295,3 @@ class Problem:
         """Let terms take up again what `memory` returned."""
         for term in self.terms:
             term.recall(memory)
-
-
-def _whole_gradient(term: Term, at: Configuration) -> Array:
-    constraints = term.constraints(at)
-    return term.gradient(at) if constraints is None else term.gradient(at) + constraints.gradient
-
-
-def _total(parts: Iterable[Array]) -> Array:
-    return reduce(add, parts)

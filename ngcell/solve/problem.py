@@ -103,6 +103,9 @@ class Problem(Protocol):
     def at(self, displacement: Array) -> State:
         """Return the state with this displacement."""
 
+    def overlap(self, state: Any) -> float:
+        """Return the deepest overlap of bodies over the thickness of the thinner one."""
+
     def expand(self, displacement: Array) -> Array:
         """Return the displacement of all unknowns, those that follow others included."""
 

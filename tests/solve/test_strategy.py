@@ -183,6 +183,7 @@ class FakeMinimiser:
         start_from=lambda before, state: None,
         apply=lambda load_factor: None,
         has_history=False,
+        overlap=lambda state: 0.0,
         part=np.zeros(1, dtype=np.int64),
         at=lambda displacement: None,
         magnitude=lambda state: abs(state.energy),
@@ -304,6 +305,34 @@ def test_walls_that_no_path_from_the_lifting_frees_are_released_from_the_tied_st
     (last,) = Sddp().follow(Task(problems, FakeMotion(), [1.0], [1.0]), progress)
     assert asked == [(3.0, 1.0, 1.0), (3.0, 3.0, 1.0)]
     assert last.minimum.state.displacement == tied and last.effort.iterations == 6
+
+
+@pytest.mark.parametrize("helps", [True, False])
+def test_where_bodies_are_left_deep_in_each_other_the_load_is_followed_in_half_as_long_increments(helps):
+    asked = []
+
+    def step(start: np.ndarray, centre: np.ndarray, load: float, **_: bool) -> Accepted:
+        asked.append(load)
+        if len(asked) > 1 and not helps and load < 1:
+            raise StepFailed(Outcome.RELEASE_FAILED, load)
+        state = SimpleNamespace(displacement=start, deep=0.09 if asked[-1] == 1 and 0.5 not in asked[-2:] else 0.0)
+        return Accepted("released", load, Minimum(state, Ending.CONVERGED, 0.0, ProximalTerm(0, centre)), Effort())
+
+    released = SimpleNamespace(
+        step=step,
+        problem=SimpleNamespace(has_history=False, overlap=lambda state: state.deep),
+        pieces=lambda displacement, imposed: 1,
+        predict=lambda displacement, imposed: imposed,
+        effort=Effort(),
+        apart=SimpleNamespace(effort=Effort()),
+    )
+    motion = SimpleNamespace(
+        has_lifting=False, lifting=lambda load: np.zeros(1), imposed=lambda displacement, load: np.array([load])
+    )
+    (only,) = SingleStep().follow(Task(SimpleNamespace(released=released), motion, [1.0], [1.0]), Progress())
+    assert only.load_factor == 1 and asked[:2] == [1.0, 0.5]
+    assert only.minimum.state.deep == (0.0 if helps else 0.09)
+    assert asked == [1.0, 0.5, 1.0] if helps else (asked[-1] == 1.0 and len(asked) == MOST_HALVINGS + 3)
 
 
 def test_where_no_path_leads_from_the_lifting_the_load_is_followed_from_the_step_before():

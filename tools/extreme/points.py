@@ -49,7 +49,7 @@ QUICK: tuple[str, ...] = (
     "c2 / c1: 100",
     "shear: 1 frame, penalty",
     "compression: 0.9 plates, penalty",
-    "shear: -2 frame, penalty",
+    "overlap and gap: blocks 0.5 apart",
     "compression: 0.9 plates, mortar",
     "compression: 0.5 plates, penalty",
     "cell pressure: 0.5 of a ring's limit",

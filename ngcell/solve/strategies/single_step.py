@@ -24,6 +24,10 @@ Array = NDArray[np.float64]
 
 _log = logging.getLogger(__name__)
 
+#: Overlap over the thickness of the thinner body above which walls have passed each other: contact that is too soft
+#: lets them overlap as deep only where it was asked for.
+_PASSED = 0.05
+
 
 class SingleStep(Section):
     """Load and contact together.
@@ -49,7 +53,7 @@ class SingleStep(Section):
             before = task.released.effort
             step = _from_lifting(task, target) if motion.has_lifting else None
             if step is None:
-                step = _incremental_step(task.released, motion, displacement, load, target)
+                step = _followed(task.released, motion, displacement, load, target)
                 step = replace(step, effort=task.released.effort - before)
             load, displacement = target, step.minimum.state.displacement
             yield step
@@ -66,9 +70,25 @@ def _from_lifting(task: Task, target: float) -> Accepted | None:
         return None
 
 
-def _incremental_step(released: Released, motion: Motion, displacement: Array, load: float, target: float) -> Accepted:
+def _followed(released: Released, motion: Motion, displacement: Array, load: float, target: float) -> Accepted:
+    """Return the equilibrium that increments lead to: half as long ones where bodies are deep in each other after it,
+    as where a corner has come to the wrong side of another."""
+    step = _incremental_step(released, motion, displacement, load, target, 1)
+    if released.problem.has_history or released.problem.overlap(step.minimum.state) <= _PASSED:
+        return step
+    _log.info("bodies overlap where they should not; the load is followed in smaller increments")
+    try:
+        return _incremental_step(released, motion, displacement, load, target, 2)
+    except StepFailed:
+        return _incremental_step(released, motion, displacement, load, target, 1)  # as before, to the last digit
+
+
+def _incremental_step(
+    released: Released, motion: Motion, displacement: Array, load: float, target: float, times: int
+) -> Accepted:
     before, reached, halvings = released.effort, load, 0
-    increment = (target - load) / released.pieces(displacement, motion.imposed(displacement, target))
+    pieces = times * released.pieces(displacement, motion.imposed(displacement, target))
+    increment = (target - load) / pieces
     while True:
         goal = next_goal(reached, increment, target)
         centre = released.predict(displacement, motion.imposed(displacement, goal))
