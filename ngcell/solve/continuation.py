@@ -19,10 +19,11 @@ without end: where the last stretch, from `enough` to `last`, takes longer than 
 at `enough`.
 
 Numbers (`ngcell.solve.options.ContinuationOptions`): the scale of the weight is shear modulus over cell size squared,
-which makes the path independent of units. At `first` the proximal term outweighs everything but the wall's own
-stiffness, and no pressure in the cells drives walls through each other before there is contact; at `last` it is below
-every stiffness but that of floating cells. In between it falls by `narrowest` decades a step, and by more where no wall
-closes or opens: a weight that falls faster leaves the path where cells come free, and ends on another equilibrium.
+which makes the path independent of units. At `first` the proximal term outweighs everything, the stiffness of walls
+included but for that against a change of volume, and no pressure in the cells drives walls through each other before
+there is contact; at `last` it is below every stiffness but that of floating cells. In between it falls by `narrowest`
+decades a step, and by more where no wall closes or opens: a weight that falls faster leaves the path where cells come
+free, and ends on another equilibrium.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.problem import State
 from ngcell.solve.proximal import ProximalTerm
-from ngcell.solve.recentred import at_rest, minimised, pull_on_bodies, recentred
+from ngcell.solve.recentred import at_rest, minimised, pull_over_felt, recentred
 
 Array = NDArray[np.float64]
 
@@ -220,7 +221,7 @@ def _pull(minimiser: Minimiser, minimum: Minimum, weight: float, options: Contin
     """Return the proximal force over what is allowed; 0 where walls are not followed on, or under no smaller weight."""
     if not options.sufficient or weight <= options.last:
         return 0.0
-    return pull_on_bodies(minimiser, minimum, options.allowed)
+    return pull_over_felt(minimiser, minimum, options.allowed)
 
 
 def until_conditions_hold(

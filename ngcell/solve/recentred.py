@@ -56,7 +56,7 @@ def recentred(
         if weight != proximal.weight or fallen < 0:
             ways = _Ways(minimiser)
         proximal = ProximalTerm(weight, ways.next_centre(proximal.centre, place, options.idle))
-        if to_fall <= sufficient and pull_on_bodies(minimiser, minimum, options.felt) <= 1:
+        if to_fall <= sufficient and pull_over_felt(minimiser, minimum, options.felt) <= 1:
             break
     return replace(minimum, to_fall=to_fall)
 
@@ -148,7 +148,7 @@ class _Ways:
         return np.asarray(place + min(share, idle / (1 - idle), self.minimiser.longest_step / farthest) * moved)
 
 
-def pull_on_bodies(minimiser: Minimiser, minimum: Minimum, share: float) -> float:
+def pull_over_felt(minimiser: Minimiser, minimum: Minimum, share: float) -> float:
     """Return the pull of the proximal term on a body, or on all together, over what is felt: a share of the largest
     force on a body, or on all together of the force that goes through the supports, if that is more; or, if that is
     most, its nodal forces over that share of those within bodies."""

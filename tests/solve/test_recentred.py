@@ -13,7 +13,7 @@ from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.options import SolverOptions
 from ngcell.solve.proximal import ProximalTerm
-from ngcell.solve.recentred import at_rest, force_through, pull_on_bodies, recentred
+from ngcell.solve.recentred import at_rest, force_through, pull_over_felt, recentred
 from ngcell.solve.refined import settled
 from tests.solve.test_minimise import NOWHERE, Landscape, Model, Point
 
@@ -97,10 +97,10 @@ def test_last_digits_are_found_under_a_firm_hold_and_the_pull_that_is_left_is_ta
     begin = recentred(minimiser, np.zeros(3), 1e6, options)
     firm = at_rest(minimiser, begin, path.scale, options.resting, options, 1e-12)
     assert firm.state.displacement[0] == pytest.approx(0.01 * FAR, rel=0.02)
-    assert pull_on_bodies(minimiser, firm, options.allowed) == pytest.approx(0.04 / options.allowed, rel=0.02)
+    assert pull_over_felt(minimiser, firm, options.allowed) == pytest.approx(0.04 / options.allowed, rel=0.02)
     free = rested(minimiser, firm, path)
     assert free.is_found
-    assert pull_on_bodies(minimiser, free, options.allowed) <= 1
+    assert pull_over_felt(minimiser, free, options.allowed) <= 1
     assert free.state.displacement[0] == pytest.approx(FAR, rel=0.05)
 
 
@@ -125,7 +125,7 @@ def test_conditions_are_met_once_the_pull_that_is_left_is_taken_away(monkeypatch
     pulls = []
 
     def noted(minimiser, minimum, *rest, **more):
-        pulls.append(pull_on_bodies(minimiser, minimum, options.allowed))
+        pulls.append(pull_over_felt(minimiser, minimum, options.allowed))
         return until_conditions_hold(minimiser, minimum, *rest, **more)
 
     monkeypatch.setattr("ngcell.solve.continuation.until_conditions_hold", noted)
@@ -155,7 +155,7 @@ def test_the_pull_on_all_bodies_is_felt_beside_what_goes_through_the_supports():
     minimum = replace(recentred(Minimiser(Bowl(), 1.0, energy_scale=1.0), np.zeros(3), WEIGHT, ContinuationOptions()),
                       proximal=ProximalTerm(weight, np.array([-1.0, 0.0, 0.0])))
     way = minimum.state.displacement[0] + 1.0
-    assert pull_on_bodies(minimiser, minimum, 0.1) == pytest.approx(30 * weight * way / 10 / 0.1)
+    assert pull_over_felt(minimiser, minimum, 0.1) == pytest.approx(30 * weight * way / 10 / 0.1)
 
 
 def test_meshes_that_lead_end_early_and_last_digits_are_found_where_they_are_reported():
