@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 _log = logging.getLogger(__name__)
 
 #: Overlap over the thickness of the thinner body above which walls may have passed each other: two and a half times
-#: what a certificate allows (corners that had passed overlapped by 0.09). Softer contact is followed twice, if asked for.
+#: what a certificate allows (corners that had passed overlapped by 0.09). Softer contact is followed twice.
 _PASSED = 0.05
 
 
