@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.contact.pairing.classification import TIE, Classification
+from ngcell.contact.pairing.unit_roots import unit_roots
 from ngcell.contact.surface.edges import EdgeSurface
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-_PROJECTION_STEPS = 4
 #: Exterior angle of a joint [rad] below which the distances of its edges may be tied.
 BLUNT = 2 * (2 * TIE) ** 0.5
 #: Share of an edge beyond which a foot counts as past its end: round-off of the projection, no more.
@@ -49,13 +49,18 @@ def closest_points(walls: EdgeSurface, nodes: Array, facet: Index, point: Array)
     chord = nodes[:, -1] - nodes[:, 0]
     xi = np.einsum("pd,pd->p", point - nodes[:, 0], chord) / np.einsum("pd,pd->p", chord, chord)
     xi = np.clip(xi, 0, 1)
-    for _ in range(_PROJECTION_STEPS if walls.basis.order > 1 else 0):
-        position, slope, bend = (np.einsum("pi,pid->pd", walls.basis.values(xi, degree), nodes) for degree in range(3))
-        away = point - position
-        gradient = np.einsum("pd,pd->p", away, slope)
+
+    def slope_of_distance(chosen: Index, xi: Array) -> tuple[Array, Array]:
+        """Half of the derivative of the squared distance, and its rate."""
+        mine = nodes[chosen]
+        position, slope, bend = (np.einsum("pi,pid->pd", walls.basis.values(xi, degree), mine) for degree in range(3))
+        away = point[chosen] - position
         steepness = np.einsum("pd,pd->p", slope, slope)
-        curvature = np.maximum(steepness - np.einsum("pd,pd->p", away, bend), 0.1 * steepness)
-        xi = np.clip(xi + gradient / curvature, 0, 1)
+        rate = np.maximum(steepness - np.einsum("pd,pd->p", away, bend), 0.1 * steepness)
+        return -np.einsum("pd,pd->p", away, slope), rate
+
+    if walls.basis.order > 1:
+        xi = unit_roots(slope_of_distance, xi)
     position = np.einsum("pi,pid->pd", walls.basis.values(xi), nodes)
     return xi, np.linalg.norm(point - position, axis=1)
 

@@ -15,7 +15,7 @@ from ngcell.contact.surface.facets import FacetSurface
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-_STEPS = 6
+_STEPS = 60
 #: Change of coordinates below which a projection has settled.
 _SETTLED = 1e-13
 #: Share of a facet by which a foot may miss stationarity, and a point a side: round-off of the projection, no more.
@@ -50,7 +50,9 @@ def closest_points(walls: FacetSurface, nodes: Array, facet: Index, point: Array
     lattice = np.linalg.norm(nodes - point[:, None], axis=2).argmin(1)
     xi = basis.nodes[lattice]
     moving = np.arange(len(point))
-    for _ in range(_STEPS if len(point) else 0):
+    for _ in range(_STEPS):
+        if not len(moving):
+            break
         after = _improved(walls, nodes[moving], corners[moving], point[moving], xi[moving])
         change = np.abs(after - xi[moving]).max(1)
         xi[moving] = after

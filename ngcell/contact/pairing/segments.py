@@ -16,6 +16,7 @@ from ngcell.contact.options import DEFAULT_OPTIONS
 from ngcell.contact.pairing.closest_on_edges import closest_points
 from ngcell.contact.pairing.near import Reach, facing, reach_between
 from ngcell.contact.pairing.pairs import ContactPairs, feet
+from ngcell.contact.pairing.unit_roots import unit_roots
 from ngcell.contact.surface.edges import EdgeSurface
 
 Array = NDArray[np.float64]
@@ -23,7 +24,6 @@ Index = NDArray[np.int64]
 
 #: Share of an edge below which a segment is left out.
 _SLIVER = 1e-9
-_PROJECTION_STEPS = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,13 +64,14 @@ def _projected(walls: EdgeSurface, nodes: Array, primary: Index, secondary: Inde
     start = nodes[primary, 0]
     chord = np.einsum("ed,ed->e", nodes[primary, -1] - start, tangent)
     xi = np.clip(np.einsum("ed,ed->e", vertex - start, tangent) / chord, 0, 1)
-    along = np.einsum("eid,ed->ei", nodes[primary] - vertex[:, None], tangent)
-    for _ in range(_PROJECTION_STEPS if walls.basis.order > 1 else 0):
-        value = np.einsum("ei,ei->e", walls.basis.values(xi), along)
-        rate = np.einsum("ei,ei->e", walls.basis.values(xi, 1), along)
-        steepest = np.where(chord < 0, np.minimum(rate, 0.1 * chord), np.maximum(rate, 0.1 * chord))
-        xi = np.clip(xi - value / steepest, 0, 1)
-    return np.asarray(xi)
+    along, forward = np.einsum("eid,ed->ei", nodes[primary] - vertex[:, None], tangent), np.sign(chord)
+
+    def way_past(chosen: Index, xi: Array) -> tuple[Array, Array]:
+        """How far a point of the primary edge is beyond the normal, and its rate."""
+        value, rate = (np.einsum("ei,ei->e", walls.basis.values(xi, degree), along[chosen]) for degree in range(2))
+        return forward[chosen] * value, np.maximum(forward[chosen] * rate, 0.1 * np.abs(chord[chosen]))
+
+    return unit_roots(way_past, xi) if walls.basis.order > 1 else np.asarray(xi)
 
 
 def segment_pairs(
