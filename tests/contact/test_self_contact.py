@@ -10,7 +10,8 @@ from scipy import sparse
 
 from ngcell.build.simulation import Simulation
 from ngcell.contact.methods.self_contact import SelfContact, self_contact_stages
-from ngcell.contact.surface.lumens import LumenSurface, find_lumens
+from ngcell.contact.surface.find_lumens import find_lumens
+from ngcell.contact.surface.lumens import LumenSurface
 from ngcell.mechanics.term import OneSided, Role, Term
 from ngcell.problem.problem import Problem
 from ngcell.scene import read_case

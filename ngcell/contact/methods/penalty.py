@@ -61,21 +61,21 @@ class PenaltySet:
         The contact pairs and their gaps.
     stiffness : array of float, shape (contact pairs,)
         Penalty stiffness times quadrature weight [stress]: a force per overlap.
-    other_body : array of int, shape (contact pairs,)
-        The other body of each contact pair.
-    body_count : int
-        Number of bodies.
+    other_part : array of int, shape (contact pairs,)
+        The part of the walls that each point is held by: another body.
+    part_count : int
+        Number of parts.
     """
 
     kinematics: GapKinematics
     stiffness: Array
-    other_body: Index
-    body_count: int
+    other_part: Index
+    part_count: int
 
     @property
     def keys(self) -> Index:
-        """What tells the penalty terms of different states apart: the point and the other body."""
-        return self.kinematics.pairs.point * self.body_count + self.other_body
+        """What tells the penalty terms of different states apart: the point and the other part."""
+        return self.kinematics.pairs.point * self.part_count + self.other_part
 
     @property
     def lowered(self) -> None:
@@ -188,9 +188,9 @@ class PenaltyContact:
         """Find all contact pairs at `positions`, unknowns of shape (dimension, scalar unknowns)."""
         pairs = self._search.pairs(self.walls.nodes(positions))
         kinematics = gap_kinematics(self.walls, pairs, positions)
-        body = self.walls.body
+        part = self.walls.part
         stiffness = 0.5 * self._pairwise(pairs) * pairs.weight
-        return PenaltySet(kinematics, stiffness, body[pairs.secondary], int(body.max(initial=0)) + 1)
+        return PenaltySet(kinematics, stiffness, part[pairs.secondary], int(part.max(initial=0)) + 1)
 
     def couplings(self, positions: Array, margin: float) -> tuple[Index, Index]:
         """Return rows and columns of all scalar unknowns that contact could couple while nothing moves by more

@@ -21,8 +21,8 @@ END_TOLERANCE = 1e-9
 def nearest_candidates(
     walls: EdgeSurface, nodes: Array, group: Index, facet: Index, point: Array, reach: float | Array
 ) -> Index:
-    """Return the candidates whose chord is, up to the edge's sagitta, the nearest of the same body."""
-    body, start = walls.body[facet], nodes[facet, 0]
+    """Return the candidates whose chord is, up to the edge's sagitta, the nearest of the same part."""
+    part, start = walls.part[facet], nodes[facet, 0]
     chords = nodes[:, -1] - nodes[:, 0]
     lengths2 = np.einsum("pd,pd->p", chords, chords)
     chord, offset = chords[facet], point - start
@@ -30,7 +30,7 @@ def nearest_candidates(
     distance = np.linalg.norm(offset - xi[:, None] * chord, axis=1)
     sagitta = _sagittas(nodes, lengths2)[facet]
     near = np.flatnonzero(distance < reach + sagitta)
-    key = group[near] * (body.max() + 1 if len(body) else 1) + body[near]
+    key = group[near] * (part.max() + 1 if len(part) else 1) + part[near]
     _, member = np.unique(key, return_inverse=True)
     bound = np.full(member.max() + 1 if len(member) else 0, np.inf)
     np.minimum.at(bound, member, distance[near] + sagitta[near])

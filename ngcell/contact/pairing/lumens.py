@@ -1,8 +1,9 @@
 """Which parts of a lumen are near each other.
 
-A point looks for the nearest point of its own lumen, on edges that it may touch. Where these end, next to edges that it
-may not touch, the nearest point is an end of what was looked at and no contact; it is left out. As long as a lumen is
-open, nothing is looked for in it.
+A point looks for the nearest point on each side of its own lumen, on edges that it may touch. Where these end, next to
+edges that it may not touch, the nearest point is an end of what was looked at and no contact; it is left out. So is a
+corner that is the nearest point of one side, unless it is that of both sides that meet there: then one of them has it.
+As long as a lumen is open, nothing is looked for in it.
 """
 
 from __future__ import annotations
@@ -59,10 +60,26 @@ class LumenSearch(PairSearch):
     def pairs(self, nodes: Array) -> ContactPairs:
         """Return all contact pairs of a deformed state."""
         pairs, lumens = super().pairs(nodes), self._lumens
-        xi = pairs.secondary_xi
+        xi, part = pairs.secondary_xi, lumens.part
         beside = lumens.neighbours[pairs.secondary, (xi >= 0.5).astype(int)]
-        is_end = (np.minimum(xi, 1 - xi) < _END) & ~lumens.may_touch(pairs.primary, beside)
-        return pairs.chosen(self._closing.lumens(nodes)[lumens.body[pairs.primary]] & ~is_end)
+        is_end = np.minimum(xi, 1 - xi) < _END
+        beside = np.where(is_end, beside, pairs.secondary)
+        is_corner = part[beside] != part[pairs.secondary]
+        left_out = is_end & (~lumens.may_touch(pairs.primary, beside) | (is_corner & ~_shared(pairs, beside, part)))
+        return pairs.chosen(self._closing.lumens(nodes)[lumens.body[pairs.primary]] & ~left_out)
+
+
+def _shared(pairs: ContactPairs, beside: Index, part: Index) -> NDArray[np.bool_]:
+    """Return which pairs, at an end next to the edge `beside`, have that end for the nearest point of the part beyond
+    it, too; of the two pairs only the one with the lower part."""
+    mine, beyond = part[pairs.secondary], part[beside]
+    key = pairs.point * (int(part.max(initial=0)) + 1)
+    order = np.argsort(key + mine)
+    place = np.minimum(np.searchsorted(key + mine, key + beyond, sorter=order), max(len(order) - 1, 0))
+    other = order[place]
+    is_there = (key + mine)[other] == key + beyond
+    same = (pairs.secondary[other] == beside) & (beside[other] == pairs.secondary)
+    return np.asarray(is_there & same & (mine < beyond))
 
 
 def near_in_closing(lumens: LumenSurface, nodes: Array, reach: Reach, margin: float) -> tuple[Index, Index]:

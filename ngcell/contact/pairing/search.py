@@ -106,14 +106,14 @@ def nearest_on_body(walls: Surface, nodes: Array, point: Array, body: Index) -> 
 def _nearest(
     walls: Surface, nodes: Array, number: Index, other: Index, place: Array, reach: float | Array
 ) -> tuple[Index, Array, Array]:
-    """Return which candidates hold the nearest point of each body to each point, with its coordinates and distance.
+    """Return which candidates hold the nearest point of each part to each point, with its coordinates and distance.
 
     Candidates are the point with a number at a place, shape (candidates, dimension), and another facet.
     """
     kept = nearest_candidates(walls, nodes, number, other, place, reach)
     number, other, place = number[kept], other[kept], place[kept]
     xi, distance = closest_points(walls, nodes, other, place)
-    group = number * (walls.body.max(initial=0) + 1) + walls.body[other]
+    group = number * (walls.part.max(initial=0) + 1) + walls.part[other]
     best = _smallest_of_group(group, _joints_apart(walls, nodes, other, place, distance))
     return kept[best], xi[best], distance[best]
 

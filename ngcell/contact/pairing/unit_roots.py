@@ -1,8 +1,9 @@
 """Roots in the unit interval, one of each of many functions.
 
 A projection that has not settled is not the closest point: the gap is then too large by the square of what it misses,
-and the derivatives of the gap, which are those at a closest point, by what it misses. On edges that bend sharply Newton's
-method alone takes dozens of steps, or none leads on. So the root is kept between bounds that move towards it.
+and the derivatives of the gap, which are those at a closest point, by what it misses. On edges that bend sharply
+Newton's method alone takes dozens of steps, or goes to and fro. So the root is kept between bounds that move towards
+it.
 """
 
 from __future__ import annotations

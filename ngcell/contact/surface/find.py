@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from ngcell.contact.surface.edges import find_edges
 from ngcell.contact.surface.facets import find_facets
-from ngcell.contact.surface.lumens import LumenSurface, find_lumens
+from ngcell.contact.surface.find_lumens import find_lumens
+from ngcell.contact.surface.lumens import LumenSurface
 from ngcell.contact.surface.surface import Surface
 from ngcell.geometry.bodies import BodyMesh
 

@@ -9,16 +9,13 @@ they are so far apart that no wall could be squeezed that thin.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 from functools import cached_property
 
-import ngsolve
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.surface.edges import EdgeSurface, find_edges
-from ngcell.contact.surface.loops import anticlockwise, closed_loops, signed_area
-from ngcell.geometry.bodies import BodyMesh
+from ngcell.contact.surface.edges import EdgeSurface
 from ngcell.geometry.near import near_pairs
 
 Array = NDArray[np.float64]
@@ -134,18 +131,36 @@ class LumenSurface(EdgeSurface):
         return np.asarray(ends - self._lengths - before)
 
     @cached_property
+    def part(self) -> Index:
+        """Sides of the lumens: from one corner of a lumen to the next, ridges of the wall included.
+
+        A point that is pressed between two sides is held by both. Were it held by the nearest one only, the energy
+        would jump where the other one comes nearer.
+        """
+        return self._pieces(self._turn_before < -_CORNER)
+
+    @cached_property
+    def _turn_before(self) -> Array:
+        """Angle by which the wall turns where each edge begins [rad]: negative where the lumen has a corner."""
+        angle = self.exterior_angle
+        return np.asarray(np.where(self.side > 0, angle[:, 0], angle[:, 1]))
+
+    @cached_property
     def _has_corner_before(self) -> NDArray[np.bool_]:
         """Whether the loop has a corner where each edge begins."""
-        angle = np.abs(self.exterior_angle)
-        return np.asarray(np.where(self.side > 0, angle[:, 0], angle[:, 1]) > _CORNER)
+        return np.asarray(np.abs(self._turn_before) > _CORNER)
 
     @cached_property
     def _piece(self) -> Index:
         """Smooth piece of a loop that each edge belongs to."""
-        piece = np.cumsum(self._has_corner_before | (np.diff(self.body, prepend=-1) > 0))
+        return self._pieces(self._has_corner_before)
+
+    def _pieces(self, begins: NDArray[np.bool_]) -> Index:
+        """Return which piece each edge belongs to, if a piece begins with each of these edges."""
+        piece = np.cumsum(begins | (np.diff(self.body, prepend=-1) > 0))
         for loop in range(len(self.body_of_loop)):
             mine = np.flatnonzero(self.body == loop)
-            if not self._has_corner_before[mine[0]]:
+            if not begins[mine[0]]:
                 piece[mine] = np.where(piece[mine] == piece[mine[-1]], piece[mine[0]], piece[mine])
         return np.asarray(piece)
 
@@ -181,31 +196,3 @@ class LumenSurface(EdgeSurface):
         share = (np.arange(count) + 0.5) / count
         along = np.where(self.side[:, None] > 0, share, 1 - share)
         return share, (self._start[:, None] + along * self._lengths[:, None]).ravel()
-
-
-def find_lumens(bodies: BodyMesh, scalar_space: ngsolve.H1, rest: Array) -> LumenSurface | None:
-    """Collect the boundaries of empty lumens in the plane; None where there are none.
-
-    Parameters are those of `ngcell.contact.surface.find.find_surface`.
-    """
-    mesh = bodies.mesh
-    is_wall = mesh.Boundaries(bodies.wall_names).Mask()
-    inner = {element.mat for element in mesh.Elements(ngsolve.BND) if len(mesh[element.edges[0]].elements) > 1}
-    names = {name for number, name in enumerate(mesh.GetBoundaries()) if not is_wall[number]} - inner
-    if not names:
-        return None
-    found = find_edges(replace(bodies, wall_names="|".join(sorted(names))), scalar_space, rest)
-    corners = anticlockwise(found.side, found.rest)[:, 0]
-    loops = [loop for loop in closed_loops(found) if signed_area(corners[loop]) < 0]
-    return _surface(found, loops) if loops else None
-
-
-def _surface(found: EdgeSurface, loops: list[Index]) -> LumenSurface:
-    chosen = np.concatenate(loops)
-    body_of_loop = found.body[[loop[0] for loop in loops]]
-    per_edge = ("dofs", "nodal", "side", "weights", "depth", "rest")
-    values = {each.name: getattr(found, each.name) for each in fields(found)}
-    values |= {name: values[name][chosen] for name in per_edge}
-    values["body"] = np.repeat(np.arange(len(loops)), [len(loop) for loop in loops])
-    values["thickness"] = found.thickness[body_of_loop]
-    return LumenSurface(**values, body_of_loop=body_of_loop)

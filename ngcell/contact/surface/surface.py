@@ -146,6 +146,14 @@ class Surface(ABC):
         return np.asarray(self.body[one] != self.body[two])
 
     @property
+    def part(self) -> Index:
+        """Part of the surface that each facet belongs to, shape (facets,): a point has a gap to each part in reach.
+
+        Parts are the surfaces of bodies.
+        """
+        return self.body
+
+    @property
     def facet_count(self) -> int:
         """Number of facets."""
         return len(self.body)
