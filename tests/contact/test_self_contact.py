@@ -241,3 +241,28 @@ def test_the_stiffness_that_a_case_gives_acts_within_lumens_too():
     case = read_case("crush-3x3", ["contact.stiffness=3.0"])
     mine, derived = (Simulation(each)._self_contact(2)[-1].method.stiffness for each in (case, read_case("crush-3x3")))
     np.testing.assert_allclose(mine, 3.0 * derived)
+
+
+def test_a_point_has_a_gap_to_each_side_that_it_has_a_foot_on():
+    """In a lumen that has shrunk and sheared all sides are near: a point has feet on some; corners are no contact."""
+    tissue = cell(edges=4)
+    lumens = Lumens(tissue)
+    surface, part = lumens.surface, lumens.surface.part
+    shrunk = tissue.space.affine(np.array([[-0.9, 0.1], [0.0, -0.95]]), np.zeros(2)).ravel()
+    state = lumens.contact.at(shrunk)
+    found = lumens.term.found(state.at)
+    assert found is not None
+    pairs, nodes = found.kinematics.pairs, surface.nodes(state.at.positions)
+    points = surface.quadrature
+    place = surface.places(points.facet, points.xi, nodes)
+    listed = set(zip(pairs.point.tolist(), part[pairs.secondary].tolist(), strict=True))
+    expected = set()
+    for side in np.unique(part):
+        ends = nodes[part == side][:, [0, -1]].reshape(-1, 2)
+        apart = np.linalg.norm(ends[:, None] - ends, axis=2)
+        first, last = ends[list(np.unravel_index(apart.argmax(), apart.shape))]
+        share = (place - first) @ (last - first) / apart.max() ** 2
+        is_foot = (part[points.facet] != side) & (share > 1e-6) & (share < 1 - 1e-6)
+        expected |= {(point, int(side)) for point in np.flatnonzero(is_foot).tolist()}
+    assert listed == expected
+    assert len(np.unique(found.keys)) == len(pairs) > len(np.unique(pairs.point))
