@@ -39,11 +39,10 @@ from ngcell.mechanics.stored import StoredEnergy
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-#: Overlap over the thinner body's thickness above which penalty terms are too soft; a certificate has the same limit.
-#: Overlaps below `NO_OVERLAP` of the thickness are none.
-DEEP, NO_OVERLAP = 0.02, 1e-7
-#: The same between the points of the rule, where it is made finer in good time: outlines may overlap deeper than any
-#: point of the finer rule tells.
+#: Overlap over the thinner body's thickness that a certificate allows, and the one above which penalty terms are too
+#: soft: outlines may overlap deeper than points tell. Overlaps below `NO_OVERLAP` of the thickness are none.
+DEEP, _SOFT, NO_OVERLAP = 0.02, 0.015, 1e-7
+#: The same between the points of the rule, where it is made finer in good time.
 _EARLY = DEEP / 2
 #: Factor by which penalty terms that are too soft are made stiffer, and the most that all such factors make. The
 #: derived stiffness is that of a layer that may spread along the wall; one that is confined is stiffer by the ratio of
@@ -137,7 +136,7 @@ class PenaltyContact:
         self.walls, self._options = walls, options
         self._derived, self.reach = stiffness, reach
         self._may_stiffen, self._stiffens = may_stiffen, False
-        self._usual, self._deep_between = self.searching(walls.quadrature), DEEP
+        self._usual, self._deep_between = self.searching(walls.quadrature), _SOFT
         self._take_back()
 
     def searching(self, points: SurfacePoints) -> PairSearch:
@@ -214,7 +213,7 @@ class PenaltyContact:
         """Take back what was raised; from now on penalty terms adapt, and the rule in good time if it is to be early.
         """
         self._take_back()
-        self._stiffens, self._deep_between = self._may_stiffen, _EARLY if early else DEEP
+        self._stiffens, self._deep_between = self._may_stiffen, _EARLY if early else _SOFT
 
     def memory(self) -> dict[str, NDArray[Any]]:
         """Return what was raised of each body, and which have the finer rule; nothing where penalty terms stay as they
@@ -255,7 +254,7 @@ class PenaltyContact:
                 self._search = self._mixed_search()
                 return finer.deepest
         energy = float(mine.energy.sum())
-        if mine.largest_share <= DEEP and energy <= self._options.stored * (stored.of(group) + energy):
+        if mine.largest_share <= _SOFT and energy <= self._options.stored * (stored.of(group) + energy):
             return 0.0
         # What a body that has joined the group was not given yet comes first.
         self._factor[group] = np.maximum(self._factor[group], STIFFEN * self._factor[group].min())
