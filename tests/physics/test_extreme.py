@@ -53,5 +53,5 @@ def test_where_there_is_no_equilibrium_none_is_certified(label):
 
 
 def test_there_are_some_of_all_kinds():
-    assert len(POINTS) == len(QUICK) == 50
+    assert len(POINTS) == len(QUICK) == 51
     assert {point.group for point in POINTS.values()} == {point.group for point in points()}

@@ -48,6 +48,7 @@ QUICK: tuple[str, ...] = (
     "c2 / c1: 10",
     "c2 / c1: 100",
     "shear: 1 frame, penalty",
+    "shear: -2 frame, penalty",
     "compression: 0.9 plates, penalty",
     "overlap and gap: blocks 0.5 apart",
     "compression: 0.9 plates, mortar",
