@@ -198,13 +198,14 @@ def self_contact_stages(
     *,
     stiffness: float = 1.0,
 ) -> list[SelfContact]:
-    """Return contact of lumens for so many stages of a continuation: soft in all of them but the last.
+    """Return contact of lumens for so many stages of a continuation: soft in the first of several.
 
     `modulus_of_body` is the plane-strain modulus of each body, shape (bodies,) [stress]; `stiffness` multiplies the
     penalty stiffness of the last stage, as that of contact between bodies does.
     """
     modulus = modulus_of_body[lumens.body_of_loop]
-    multiples = [options.path_multiple] * (count - 1) + [stiffness * options.penalty_multiple]
+    meant = stiffness * options.penalty_multiple
+    multiples = [options.path_multiple] * min(count - 1, 1) + [meant] * max(count - 1, 1)
     return [
         SelfContact(LumenPenalty(lumens, penalty_stiffness(lumens, modulus, multiple), options))
         for multiple in multiples
