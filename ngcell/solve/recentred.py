@@ -155,7 +155,8 @@ def pull_over_felt(minimiser: Minimiser, minimum: Minimum, share: float) -> floa
     problem, state = minimiser.problem, minimum.state
     gradient, constraints = problem.gradient(state), problem.gradient_of_constraints(state)
     nodal = minimum.proximal.gradient(state.displacement, problem.metric)
-    contact, support = problem.resultants(constraints), problem.resultants(np.where(problem.free, 0.0, gradient + nodal))
+    at_supports = np.where(problem.free, 0.0, gradient + nodal)
+    contact, support = problem.resultants(constraints), problem.resultants(at_supports)
     pull, within = problem.resultants(nodal), float(np.linalg.norm(gradient - constraints))
     on_body = max(_largest(contact), _largest(support))
     on_all = max(on_body, force_through(support))
