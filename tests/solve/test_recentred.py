@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from scipy import sparse
 
 from ngcell.solve.continuation import Continuation, rested, until_conditions_hold
 from ngcell.solve.continuation_options import ContinuationOptions
@@ -156,6 +157,33 @@ def test_the_pull_on_all_bodies_is_felt_beside_what_goes_through_the_supports():
                       proximal=ProximalTerm(weight, np.array([-1.0, 0.0, 0.0])))
     way = minimum.state.displacement[0] + 1.0
     assert pull_over_felt(minimiser, minimum, 0.1) == pytest.approx(30 * weight * way / 10 / 0.1)
+
+
+def test_what_supports_bear_is_told_without_the_proximal_term():
+    """The last unknown is a support: a term that acts on it, too, makes no force that its pull is nothing beside."""
+
+    class Held(Bowl):
+        metric = sparse.csr_array(np.array([[1.0, 0.0, -1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 1.0]]))
+
+        def gradient(self, state: Point) -> np.ndarray:
+            pulled = -weight * self.metric @ (state.displacement - centre)
+            return pulled + np.array([0.0, 1.0, 1e-3])  # forces within the body, and what another one presses with
+
+        def resultants(self, force: np.ndarray) -> np.ndarray:
+            return np.array([[force[0] + force[2], force[1]]])
+
+        def gradient_of_constraints(self, state: Point) -> np.ndarray:
+            return np.zeros(3)
+
+    weight, centre = 0.5, np.array([-3e-3, -1e-3, 0.0])
+    held, state = Held(free=np.array([True, True, False])), Point(np.zeros(3), -1.0)
+    minimum = Minimum(state, Ending.CONVERGED, 0.0, ProximalTerm(weight, centre))
+    nodal = minimum.proximal.gradient(state.displacement, held.metric)
+    on_body = np.linalg.norm(held.resultants(nodal))
+    assert on_body == pytest.approx(weight * 1e-3)
+    pressed = 1e-3  # with the term it would be 2.5e-3
+    found = pull_over_felt(Minimiser(held, 1.0, energy_scale=1.0), minimum, 0.1)
+    assert found == pytest.approx(on_body / pressed / 0.1)
 
 
 def test_meshes_that_lead_end_early_and_last_digits_are_found_where_they_are_reported():
