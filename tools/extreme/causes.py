@@ -7,8 +7,8 @@ _PRESSED = (
     "through each other at corners."
 )
 _FOLDED = (
-    "Contact within lumens is softest on the way to multipliers: both sides of a folded corner pass through each other "
-    "there."
+    "Contact within lumens was softest on the way to multipliers: both sides of a folded corner passed through each "
+    "other there."
 )
 _BETWEEN = (
     "On the finer mesh a penalty leads to the pressures of contact, and by it a pressure of twelve shear moduli gains "
