@@ -61,7 +61,7 @@ class PenaltySet:
     stiffness : array of float, shape (contact pairs,)
         Penalty stiffness times quadrature weight [stress]: a force per overlap.
     other_part : array of int, shape (contact pairs,)
-        The part of the walls that each point is held by: another body.
+        The part of the walls that each point is held by: another body, or another side of its lumen.
     part_count : int
         Number of parts.
     """

@@ -201,7 +201,7 @@ def self_contact_stages(
     """Return contact of lumens for so many stages of a continuation: soft in the first of several.
 
     `modulus_of_body` is the plane-strain modulus of each body, shape (bodies,) [stress]; `stiffness` multiplies the
-    penalty stiffness of the last stage, as that of contact between bodies does.
+    penalty stiffness of all others, as that of contact between bodies does.
     """
     modulus = modulus_of_body[lumens.body_of_loop]
     meant = stiffness * options.penalty_multiple

@@ -73,11 +73,11 @@ def _shared(pairs: ContactPairs, beside: Index, part: Index) -> NDArray[np.bool_
     """Return which pairs, at an end next to the edge `beside`, have that end for the nearest point of the part beyond
     it, too; of the two pairs only the one with the lower part."""
     mine, beyond = part[pairs.secondary], part[beside]
-    key = pairs.point * (int(part.max(initial=0)) + 1)
-    order = np.argsort(key + mine)
-    place = np.minimum(np.searchsorted(key + mine, key + beyond, sorter=order), max(len(order) - 1, 0))
-    other = order[place]
-    is_there = (key + mine)[other] == key + beyond
+    first = pairs.point * (int(part.max(initial=0)) + 1)
+    key, wanted = first + mine, first + beyond
+    order = np.argsort(key)
+    other = order[np.minimum(np.searchsorted(key, wanted, sorter=order), max(len(order) - 1, 0))]
+    is_there = key[other] == wanted
     same = (pairs.secondary[other] == beside) & (beside[other] == pairs.secondary)
     return np.asarray(is_there & same & (mine < beyond))
 

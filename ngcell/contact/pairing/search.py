@@ -1,7 +1,7 @@
 """Which wall is near whom: for each point of a wall, the closest point on every other body in reach.
 
 Facets that are near each other are found once and kept while nothing has moved by more than a margin; simple bounds
-narrow the choice, and a few Newton steps on the curved, deformed facet finish it. A point may have one contact pair on
+narrow the choice, and Newton's method on the curved, deformed facet finishes it. A point may have one contact pair on
 each of several bodies: where three cells meet it has a gap to both neighbours, and never flips between them.
 
 The gap that comes out of this is the signed distance to the surface of the other body. No candidate is refused for the
