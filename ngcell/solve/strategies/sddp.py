@@ -5,7 +5,8 @@ knows no contact until a body touches itself, as where lumens close. Tied states
 follow each other; every release starts from its own tied state, so a level does not depend on the levels before it. The
 centre of the continuation is the lifting of the load, as for all strategies, and the tied state where the load has
 none: which released equilibrium is found depends on the load, and the energy of the tied state bounds its energy.
-Where no path leads from the lifting, as when walls are squeezed to half, the tied state is the centre, too.
+Where bonds break, the tied state is the centre, and where no path leads from the lifting, as when walls are squeezed
+to half.
 
 References
 ----------
@@ -70,19 +71,31 @@ def _released_step(task: Task, tied: Array, target: float) -> Accepted:
     """Return the released state that a tied displacement leads to."""
     released, problem = task.released, task.tied[-1].problem
     start = problem.expand(tied)
-    centre = task.motion.lifting(target) if task.motion.has_lifting else start
+    centre, *others = _centres(task, start, target)
     released.problem.reset()
     before = released.effort
     try:
         step = released.step(start, centre, target)
     except (StepFailed, OutOfIterations):
-        if centre is start:
+        if not others:
             raise
-        _log.info("no path leads from the lifting; walls are released from the tied state")
+        _log.info("no path leads from this centre; another one is taken")
         task.problems.renew_budget()
         released.problem.reset()
-        step = replace(released.step(start, start, target), effort=released.effort - before)
+        step = replace(released.step(start, others[0], target), effort=released.effort - before)
     return _with_loss(released, step, problem.at(tied).energy) if released.problem.has_history else step
+
+
+def _centres(task: Task, tied: Array, load: float) -> list[Array]:
+    """Return the centres from which a path may lead to the released state, the first to be tried first.
+
+    Bonds bear at the tied state what the tie has borne. From the lifting, which stores some times as much energy, they
+    would break on the way. Walls without bonds find lower energies from there.
+    """
+    if not task.motion.has_lifting:
+        return [tied]
+    lifting = task.motion.lifting(load)
+    return [tied, lifting] if task.released.problem.has_history else [lifting, tied]
 
 
 def _with_loss(released: Released, step: Accepted, tied_energy: float) -> Accepted:
