@@ -238,9 +238,8 @@ def until_conditions_hold(
     Where the active set cycles, it goes on for at most so many iterations. Where nothing to speak of is missed, no
     minimisation is more exact than that asks for, and where no step lowers the energy, as at a kink, it ends there.
     Multipliers are foreseen where an accuracy is asked for: those that updates approach slowly, as of confined walls,
-    then miss by some times what is judged, which is nothing beside the accuracy. The centre of the proximal term
-    follows, so that nothing of it is left (proximal method of multipliers; Rockafellar 1976, doi:10.1287/moor.1.2.97).
-    Without an accuracy they are updated one by one.
+    then miss by some times what is judged, which is nothing beside the accuracy. Without one they are updated one by
+    one.
     """
     before, was_increased, spent = float("inf"), False, minimiser.effort.iterations
     for _ in range(options.most_updates):
@@ -259,7 +258,6 @@ def until_conditions_hold(
         before = float("inf") if is_met else missed  # by a finer rule, what was missed before says nothing
         start, tolerance = minimum.state.displacement, options.update * (nothing if is_nothing else energy)
         if options.sufficient:
-            minimum = replace(minimum, proximal=replace(minimum.proximal, centre=start))
             start = with_foreseen_multipliers(minimiser, minimum, missed, max(options.foreseen * missed, met / 10))
         last = minimum
         minimum, _ = minimised(minimiser, start, minimum.proximal, options.at_the_end, name, tolerance, options.cycling)

@@ -89,7 +89,7 @@ class ContinuationOptions:
     allowed: float = 0.0
     allowed_of_accuracy: float = 0.09
     only_leads: bool = False
-    handover: float = 3e-3
+    handover: float = 3e-4
     handover_idle: float = 0.7
     slid: float = 10.0
     most_leads: int = 10
