@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import inf
 
 
 @dataclass(frozen=True)
@@ -31,8 +32,12 @@ class ContactOptions:
     path_multiple : float
         Stiffness with which continuation paths are followed, > 0: as stiff as the layer behind the wall, it costs a
         third of the iterations.
-    stored : float
-        Share of the stored energy that penalty terms may store without being too soft, > 0.
+    soft : float
+        Overlap over the thinner body's thickness above which penalty terms are too soft, in (0, 0.02]: a certificate
+        allows 0.02, and outlines may overlap deeper than points tell.
+    stored, stored_before : float
+        Share of the stored energy that penalty terms may store without being too soft, > 0; and that of those from
+        which the mortar method takes over, which may overlap as deep as they do.
     stage_factor : float
         Factor between the stages from there to the one that is meant, > 1.
     mortar_multiple : float
@@ -49,10 +54,17 @@ class ContactOptions:
     penalty_multiple: float = 10.0
     most_multiple: float = 1e3
     path_multiple: float = 1.0
+    soft: float = 0.015
     stored: float = 0.01
+    stored_before: float = 0.1
     stage_factor: float = 10.0
     mortar_multiple: float = 3.0
     only_leads: bool = False
+
+    @property
+    def before_multipliers(self) -> ContactOptions:
+        """The numbers of the penalty from which the mortar method takes over."""
+        return replace(self, soft=inf, stored=self.stored_before)
 
     def path_multiples(self, meant: float) -> list[float]:
         """Return the stiffnesses of the stages before the one that is meant, the softest first; at least one."""

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
+from ngcell.contact.options import ContactOptions
 from ngcell.contact.pairing.facing import find_facing
 from ngcell.mechanics.stored import StoredEnergy
 from ngcell.mechanics.term import Role
@@ -174,6 +175,27 @@ def test_penalty_terms_that_took_over_from_softer_ones_stiffen_where_overlaps_ar
     np.testing.assert_allclose(meant.stiffness, 10 * derived)
     meant.follow(softer, at_rest)
     np.testing.assert_array_equal(meant.stiffness, derived)
+
+
+def test_a_penalty_that_leads_to_multipliers_stiffens_where_it_stores_what_walls_gain_and_may_overlap():
+    tissue = small_tissue(1, 2)
+    walls, options = tissue.walls, ContactOptions().before_multipliers
+    leads = PenaltyContact(walls, tissue.contact.stiffness, tissue.contact.reach, options=options)
+    at = tissue.body_translation(1, np.array([-0.03 * float(walls.thickness.min()), 0.0]))
+    positions = tissue.positions(at)
+    contact = leads.pair(positions)
+
+    def is_too_soft(share: float) -> bool:
+        """Whether it is where penalty terms store this share of the energy."""
+        mine = contact.energy(positions)
+        stored = StoredEnergy(lambda: (np.full(2, mine * (1 / share - 1) / 2), 0.0))
+        return leads.update_multipliers(contact, positions, stored)[0] > 0
+
+    leads.follow(leads, positions)
+    assert not is_too_soft(0.05)
+    assert leads.raised == 1
+    assert is_too_soft(0.2)
+    assert leads.raised == 10
 
 
 @pytest.mark.parametrize("stiffness", [0.01, 0.1, 1.0])

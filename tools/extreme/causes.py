@@ -6,19 +6,12 @@ _PRESSED = (
     "A tissue is pressed to a quarter of its area, which is hardly more than its walls have: sides of lumens pass "
     "through each other at corners."
 )
-_FOLDED = (
-    "Contact within lumens was softest on the way to multipliers: both sides of a folded corner passed through each "
-    "other there."
-)
 _BETWEEN = (
     "On the finer mesh a penalty leads to the pressures of contact, and by it a pressure of twelve shear moduli gains "
     "more from walls that penetrate each other beside corners of three cells than that costs them."
 )
-_STIFF = "The error estimated is thirty times the small energy of walls that hardly change their volume; two minutes."
 
 CAUSES: dict[str, str] = {
     "cell pressure: held tissue 50": _BETWEEN,
-    "cell pressure: held tissue 5": _STIFF,
     "compression: 0.5 frame, both ways": _PRESSED,
-    "shear: 2 frame, mortar": _FOLDED,
 }

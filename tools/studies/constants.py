@@ -64,6 +64,8 @@ CHANGES: dict[str, tuple[float, ...]] = {
     "contact.stage_factor": (5.0, 20.0),
     "contact.mortar_multiple": (1.0, 10.0),
     "contact.between": (1.5, 4.0),
+    "contact.soft": (0.01, 0.02),
+    "contact.stored": (0.005, 0.02),
     "contact.allowed": (1.25e-4, 5e-4),
     "contact.covered": (0.001, 0.1),
     "contact.facing": (-0.9, -0.7),
@@ -79,6 +81,8 @@ WITHIN_ACCURACY: dict[str, tuple[float, ...]] = {
     "solver.continuation.allowed_of_accuracy": (0.03, 0.09),
     "solver.continuation.idle": (0.8, 0.95),
     "solver.continuation.hardly_strained": (1e-6, 1e-4),
+    "solver.continuation.handover": (1e-4, 1e-3),
+    "contact.stored_before": (0.03, 0.3),
 }
 
 

@@ -41,6 +41,6 @@ class Mortar(Section):
         )
         return (
             PenaltyContact(walls, path, reach, options=options),
-            PenaltyContact(walls, handover, reach, may_stiffen=False, options=options),
+            PenaltyContact(walls, handover, reach, options=options.before_multipliers),
             MortarContact(walls, own, reach, options),
         )

@@ -39,9 +39,8 @@ from ngcell.mechanics.stored import StoredEnergy
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-#: Overlap over the thinner body's thickness that a certificate allows, and the one above which penalty terms are too
-#: soft: outlines may overlap deeper than points tell. Overlaps below `NO_OVERLAP` of the thickness are none.
-DEEP, _SOFT, NO_OVERLAP = 0.02, 0.015, 1e-7
+#: Overlap over the thinner body's thickness that a certificate allows. Overlaps below `NO_OVERLAP` of it are none.
+DEEP, NO_OVERLAP = 0.02, 1e-7
 #: The same between the points of the rule, where it is made finer in good time.
 _EARLY = DEEP / 2
 #: Factor by which penalty terms that are too soft are made stiffer, and the most that all such factors make. The
@@ -136,7 +135,7 @@ class PenaltyContact:
         self.walls, self._options = walls, options
         self._derived, self.reach = stiffness, reach
         self._may_stiffen, self._stiffens = may_stiffen, False
-        self._usual, self._deep_between = self.searching(walls.quadrature), _SOFT
+        self._usual, self._deep_between = self.searching(walls.quadrature), options.soft
         self._take_back()
 
     def searching(self, points: SurfacePoints) -> PairSearch:
@@ -205,15 +204,14 @@ class PenaltyContact:
         return np.bincount(pairs.point, pressure, len(points.facet)).astype(float)
 
     def follow(self, other: ContactMethod, positions: Array) -> None:
-        """Take back what was raised; from now on penalty terms adapt, unless they go on from themselves."""
+        """Take back what was raised; from now on penalty terms adapt."""
         self.restart()
-        self._stiffens = self._may_stiffen and other is not self
 
     def restart(self, *, early: bool = False) -> None:
         """Take back what was raised; from now on penalty terms adapt, and the rule in good time if it is to be early.
         """
         self._take_back()
-        self._stiffens, self._deep_between = self._may_stiffen, _EARLY if early else _SOFT
+        self._stiffens, self._deep_between = self._may_stiffen, _EARLY if early else self._options.soft
 
     def memory(self) -> dict[str, NDArray[Any]]:
         """Return what was raised of each body, and which have the finer rule; nothing where penalty terms stay as they
@@ -254,7 +252,7 @@ class PenaltyContact:
                 self._search = self._mixed_search()
                 return finer.deepest
         energy = float(mine.energy.sum())
-        if mine.largest_share <= _SOFT and energy <= self._options.stored * (stored.of(group) + energy):
+        if mine.largest_share <= self._options.soft and energy <= self._options.stored * (stored.of(group) + energy):
             return 0.0
         # What a body that has joined the group was not given yet comes first.
         self._factor[group] = np.maximum(self._factor[group], STIFFEN * self._factor[group].min())
