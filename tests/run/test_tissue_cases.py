@@ -1,6 +1,6 @@
 """Every shipped tissue, at a small size: it converges, is certified, and has the numbers that were recorded for it.
 
-The shipped sizes have expected numbers of their own in their files: `python -m tools.references expected` runs them all.
+The shipped sizes have expected numbers of their own in their files: `python -m tools.references expected` runs them.
 """
 
 from __future__ import annotations
