@@ -41,6 +41,9 @@ class ContinuationOptions:
         energy; and `idle_at_last` there.
     slid, most_leads : float, int
         Falls that suffice from which on they have slid away, and the penalty, which may cost half of it, leads again.
+    undone, most_in_vain : float, int
+        Share of an overlap that penalty terms which were made stiffer may leave; and how often in a row they may leave
+        more until walls are known to be on wrong sides of each other.
     hardly_strained : float
         Strain below which the energy is told from nothing no more.
     first_overlapping : float
@@ -93,6 +96,8 @@ class ContinuationOptions:
     handover_idle: float = 0.7
     slid: float = 10.0
     most_leads: int = 10
+    undone: float = 1 / 3
+    most_in_vain: int = 2
     hardly_strained: float = 1e-5
     first_overlapping: float = 1.0
     narrowest: float = 0.5

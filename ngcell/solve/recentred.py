@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from ngcell.solve.continuation_options import ContinuationOptions
 from ngcell.solve.effort import Effort
 from ngcell.solve.minimise import Minimiser
-from ngcell.solve.minimum import Minimum
+from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.proximal import ProximalTerm
 
 Array = NDArray[np.float64]
@@ -35,10 +35,11 @@ def recentred(
 
     It ends where all falls of the energy that are still to come, as many as go on like the last two, are no more than
     what suffices, and the proximal force is not felt; or where bodies are hardly strained at all. What may still fall
-    is told. Where falls are slow, the weight is lowered. An energy below `lowest` ends it, too, as no equilibrium.
+    is told. Where falls are slow, the weight is lowered. An energy below `lowest` ends it, too, as no equilibrium; and
+    so do overlaps that stiffer and stiffer penalty terms do not undo.
     """
     proximal, fallen, scale = ProximalTerm(weight, start), float("inf"), weight / options.recentred
-    ways, place = _Ways(minimiser), start
+    ways, overlaps, place = _Ways(minimiser), _Overlaps(options), start
     for _ in range(options.most_recentred):
         state, name = minimiser.problem.at(place), proximal.weight / scale  # contact may have adapted
         energy = state.energy
@@ -46,7 +47,9 @@ def recentred(
         minimum, _ = minimised(minimiser, place, proximal, 0.0, name, options.update * sufficient, lowest=lowest)
         if not minimum.is_found:
             return minimum
-        minimiser.problem.update_multipliers(minimum.state)
+        missed, _ = minimiser.problem.update_multipliers(minimum.state)
+        if not minimiser.problem.has_multipliers and overlaps.stay(missed):
+            return replace(minimum, ending=Ending.CONDITIONS_MISSED)
         before, fallen = fallen, energy - minimum.state.energy
         ratio = fallen / before if before > 0 else 0.0
         to_fall = fallen / (1 - min(max(ratio, 0.0), options.idle))
@@ -115,6 +118,30 @@ def minimised(
 def _nothing(minimiser: Minimiser, options: ContinuationOptions) -> float:
     """Return the energy that is told from nothing no more."""
     return options.hardly_strained**2 * minimiser.energy_scale
+
+
+@dataclass
+class _Overlaps:
+    """Overlaps of penalty terms that were too soft: ten times as stiff, they leave a tenth of them where walls press
+    each other. Where walls have come to sides of each other from which they do not find back, they leave more, and
+    their energy grows with their stiffness.
+
+    Attributes
+    ----------
+    options : ContinuationOptions
+        What counts as undone.
+    """
+
+    options: ContinuationOptions
+    _deepest: float = float("inf")
+    _in_vain: int = 0
+
+    def stay(self, deepest: float) -> bool:
+        """Return whether overlaps stay however stiff penalty terms become; `deepest` [length] is 0 if none was made
+        stiffer."""
+        self._in_vain = self._in_vain + 1 if deepest > self.options.undone * self._deepest else 0
+        self._deepest = deepest or float("inf")
+        return self._in_vain == self.options.most_in_vain
 
 
 @dataclass

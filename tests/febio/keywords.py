@@ -11,6 +11,8 @@ ALLOWED: dict[str, set[str]] = {
     "febio_spec/Module": {"type"},
     "febio_spec/Material": set(),
     "febio_spec/Material/material": {"id", "name", "type"},
+    "febio_spec/Material/material/solid": {"type"},
+    "febio_spec/Material/material/solid/fiber": {"type"},
     "febio_spec/Mesh": set(),
     "febio_spec/Mesh/Nodes": {"name"},
     "febio_spec/Mesh/Nodes/node": {"id"},
@@ -24,10 +26,15 @@ ALLOWED: dict[str, set[str]] = {
     "febio_spec/Mesh/SurfacePair/secondary": set(),
     "febio_spec/MeshDomains": set(),
     "febio_spec/MeshDomains/SolidDomain": {"name", "mat", "type", "elem_type"},
+    "febio_spec/MeshData": set(),
+    "febio_spec/MeshData/ElementData": {"type", "elem_set", "name", "data_type", "format"},
+    "febio_spec/MeshData/ElementData/e": {"lid"},
     "febio_spec/Boundary": set(),
     "febio_spec/Boundary/bc": {"name", "node_set", "type"},
     "febio_spec/Loads": set(),
     "febio_spec/Loads/surface_load": {"name", "surface", "type"},
+    "febio_spec/Constraints": set(),
+    "febio_spec/Constraints/constraint": {"name", "surface", "type"},
     "febio_spec/Step": set(),
     "febio_spec/Step/step": {"id", "name"},
     "febio_spec/Step/step/Control": set(),
@@ -50,6 +57,11 @@ ALLOWED: dict[str, set[str]] = {
 #: Parameters of what has a type or stands in a section of its own; each may have a load curve, `lc`, as FEBio allows.
 PARAMETERS: dict[str, set[str]] = {
     "material Mooney-Rivlin": {"density", "k", "pressure_model", "c1", "c2"},
+    "solid Mooney-Rivlin": {"density", "k", "pressure_model", "c1", "c2"},
+    "solid fiber-exp-pow": {"density", "alpha", "beta", "ksi", "mu", "lam0"},
+    "material solid mixture": set(),
+    "e": {"a", "d"},
+    "constraint volume": {"laugon", "augtol", "penalty"},
     "bc zero displacement": {"x_dof", "y_dof", "z_dof"},
     "bc prescribed displacement": {"dof", "value", "relative"},
     "bc prescribed deformation": {"scale", "F", "relative"},
@@ -74,10 +86,11 @@ PARAMETERS: dict[str, set[str]] = {
     "load_controller loadcurve": {"interpolate", "extend"},
 }  # fmt: skip
 
-#: Values that are words.
+#: Values that are words, by their tag, or by its owner and the tag.
 WORDS: dict[str, set[str]] = {
     "analysis": {"STATIC", "DYNAMIC"},
     "laugon": {"PENALTY", "AUGLAG"},
+    "constraint volume laugon": {"0", "1"},
     "interpolate": {"LINEAR", "STEP", "SMOOTH"},
     "extend": {"CONSTANT", "EXTRAPOLATE", "REPEAT"},
     "pressure_model": {"default", "NIKE3D", "Abaqus"},

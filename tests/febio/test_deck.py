@@ -15,10 +15,22 @@ from click.testing import CliRunner
 import ngcell
 from ngcell.build.simulation import Simulation
 from ngcell.cli import ngcell as command
+from ngcell.geometry.sections import along_walls
+from ngcell.mechanics.fluid import LumenFluids
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from tests.febio.keywords import ALLOWED, CURVED, PARAMETERS, WORDS
 
-CASES = ("shear-empty-3x3", "shear-pressurised", "shear-filled", "frame-shear", "shear-empty-single-step")
+CASES = (
+    "shear-empty-3x3",
+    "shear-pressurised",
+    "shear-filled",
+    "shear-fibres",
+    "shear-fluid",
+    "frame-shear",
+    "shear-empty-single-step",
+)
+#: Tags whose type says what may stand in them.
+TYPED = {"material", "solid", "bc", "contact", "surface_load", "constraint", "qn_method"}
 
 
 @cache
@@ -60,7 +72,7 @@ def area(ring: np.ndarray) -> float:
 def check(tag: Element, path: str) -> None:
     owner = f"{tag.tag} {tag.get('type')}" if f"{tag.tag} {tag.get('type')}" in PARAMETERS else tag.tag
     assert set(tag.attrib) <= ALLOWED[path], (path, tag.attrib)
-    if "type" in tag.attrib and tag.tag in {"material", "bc", "contact", "surface_load", "solver", "qn_method"}:
+    if "type" in tag.attrib and tag.tag in TYPED:
         assert owner in PARAMETERS, owner
     for child in tag:
         place = f"{path}/{child.tag}"
@@ -69,7 +81,7 @@ def check(tag: Element, path: str) -> None:
             continue
         assert child.tag in PARAMETERS.get(owner, set()), (path, child.tag)
         assert set(child.attrib) <= ({"lc"} if child.tag in CURVED else set())
-        words = WORDS.get(child.tag)
+        words = WORDS.get(f"{owner} {child.tag}", WORDS.get(child.tag))
         assert words is None or child.text in words
         assert not len(child)
 
@@ -88,7 +100,10 @@ def test_a_deck_holds_keywords_of_febio_and_names_that_it_defines(name):
     materials = {each.get("name") for each in root.findall("Material/material")}
     assert {each.get("mat") for each in root.findall("MeshDomains/SolidDomain")} == materials
     assert {each.get("node_set") for each in root.iter() if each.get("node_set")} <= set(sets["NodeSet"])
-    assert {each.get("surface") for each in root.iter("surface_load")} <= set(sets["Surface"])
+    assert {each.get("surface") for tag in ("surface_load", "constraint") for each in root.iter(tag)} <= set(
+        sets["Surface"]
+    )
+    assert {each.get("elem_set") for each in root.iter("ElementData")} <= set(parts)
     assert {each.get("surface_pair") for each in root.iter("contact")} <= set(sets["SurfacePair"])
     assert {each.text for pair in root.iter("SurfacePair") for each in pair} <= set(sets["Surface"])
     curves = {each.get("id") for each in root.iter("load_controller")}
@@ -224,19 +239,63 @@ def test_febios_law_with_the_decks_constants_is_ours(seed):
         np.testing.assert_allclose(stress, law.cauchy_stress(gradient[None])[0], atol=1e-12 * np.abs(stress).max())
 
 
+@pytest.mark.parametrize("name", ["exponential", "quadratic"])
+def test_febios_fibres_with_the_decks_constants_and_axes_are_ours(name):
+    """FEBio: 2/J ksi (I4 - 1)^(beta - 1) exp(alpha (I4 - 1)^beta) (F n) (F n) of each fibre in tension."""
+    sets = () if name == "exponential" else ('material.fibres={kind="quadratic", stiffness=2.0, angles=[30.0, -30.0]}',)
+    root, tissue = deck("shear-fibres", *sets), built("shear-fibres", *sets)
+    along, law = along_walls(tissue.bodies.mesh), ngcell.read_case("shear-fibres", sets).material
+    random, owner, count = np.random.default_rng(0), {}, len(root.findall("Mesh/Elements/elem"))
+    for part in root.findall("Mesh/Elements"):
+        body = tissue.bodies.body_names.index(str(part.get("name")).split("-")[0])
+        owner[part.get("name")] = np.repeat(np.flatnonzero(tissue.bodies.body_of_element == body), count // len(along))
+    axes = [(element, owner[data.get("elem_set")][int(element.get("lid", 0)) - 1])
+            for data in root.iter("ElementData") for element in data]  # fmt: skip
+    assert len(axes) == count
+    for element, planar in (axes[number] for number in random.integers(len(axes), size=20)):
+        a, d = (np.array([float(word) for word in str(element.findtext(tag)).split(",")]) for tag in "ad")
+        np.testing.assert_allclose(a[:2], along[planar], atol=1e-9)
+        third = np.cross(a, d)
+        frame = np.column_stack([a, np.cross(third, a), third])
+        gradient = np.eye(3)
+        gradient[:2, :2] += 0.3 * random.standard_normal((2, 2))
+        stress, jacobian = np.zeros((3, 3)), np.linalg.det(gradient)
+        for family in root.findall("Material/material/solid[@type='fiber-exp-pow']"):
+            alpha, beta, ksi = (float(str(family.findtext(word))) for word in ("alpha", "beta", "ksi"))
+            moved = gradient @ frame @ np.array([float(word) for word in str(family.findtext("fiber")).split(",")])
+            strain = max(moved @ moved - 1, 0.0)
+            stress += 2 / jacobian * ksi * strain ** (beta - 1) * np.exp(alpha * strain**beta) * np.outer(moved, moved)
+        ours = law.fibres.cauchy_stress(gradient[None], along[planar][None])[0]
+        np.testing.assert_allclose(stress, ours, atol=1e-9 * max(np.abs(ours).max(), 1))
+
+
+def test_fluids_keep_the_volume_of_each_lumen():
+    root, tissue = deck("shear-fluid"), built("shear-fluid")
+    place = nodes(root)
+    surfaces = {each.get("name"): np.array([numbers(face) - 1 for face in each]) for each in root.iter("Surface")}
+    (fluid,) = [term for term in tissue.discretisation.terms if isinstance(term, LumenFluids)]
+    found = root.findall("Constraints/constraint[@type='volume']")
+    assert len(found) == len(fluid.area) == tissue.bodies.body_count
+    for constraint, area in zip(found, fluid.area, strict=True):
+        faces = surfaces[constraint.get("surface")]
+        one, two = (place[faces[:, number], :2] for number in (0, 1))
+        # Sides seen from the wall run clockwise around the lumen.
+        assert -(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]).sum() / 2 == pytest.approx(area, rel=1e-2)
+        assert place[faces[:, 2], 2] - place[faces[:, 1], 2] == pytest.approx(place[:, 2].max())
+
+
 REFUSED = [
-    ("shear-fluid", "what LumenFluids stands for"),
-    ("shear-fibres", "material.fibres"),
-    ("shear-cohesive", "cohesion"),
-    ("press-fit", "bodies"),
-    ("shear-empty-3d", "tissue.height"),
+    (("shear-fluid", "--set", "lumen.fill=1.1"), "lumen.fill = 1.1"),
+    (("shear-cohesive",), "cohesion"),
+    (("press-fit",), "bodies"),
+    (("shear-empty-3d",), "tissue.height"),
 ]
 
 
-@pytest.mark.parametrize(("name", "what"), REFUSED)
-def test_what_cannot_be_exported_is_named_in_one_line(name, what, tmp_path):
+@pytest.mark.parametrize(("case", "what"), REFUSED)
+def test_what_cannot_be_exported_is_named_in_one_line(case, what, tmp_path):
     file = tmp_path / "tissue.feb"
-    answer = CliRunner().invoke(command, ["export-febio", name, "--out", str(file)])
+    answer = CliRunner().invoke(command, ["export-febio", *case, "--out", str(file)])
     assert answer.exit_code == 3 and not file.exists()
     (line,) = answer.output.strip().splitlines()
     assert what in line and "allowed:" in line

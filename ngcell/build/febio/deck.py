@@ -12,7 +12,10 @@ from ngcell.build.febio.layer import Layer, layer_of
 from ngcell.build.febio.scope import check_case, check_support, check_terms
 from ngcell.build.simulation import Simulation
 from ngcell.contact.methods.penalty import penalty_stiffness
+from ngcell.geometry.bodies import LUMEN
+from ngcell.geometry.sections import along_walls
 from ngcell.mechanics.applied.potential import AppliedLoads
+from ngcell.mechanics.fluid import LumenFluids
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.supports import Support
 from ngcell.scene import AnyCase
@@ -65,6 +68,10 @@ class Deck:
         Supports at the last level, and their nodes; no two have a node in common.
     pressures : dict of str to (float, array of int)
         Pressure at the last level, and boundary edges, of each region.
+    fluids : dict of str to (float, array of int)
+        Area, and boundary edges, of each lumen that keeps it [length**2].
+    directions : array of float, shape (elements, 2), or None
+        Unit vector along the wall in each element, where walls have fibres.
     comes_first : bool
         Whether pressures are there before the supports move.
     is_tied_first : bool
@@ -79,6 +86,8 @@ class Deck:
     pairs: list[Pair]
     supports: list[tuple[Support, Index]]
     pressures: dict[str, tuple[float, Index]]
+    fluids: dict[str, tuple[float, Index]]
+    directions: Array | None
     comes_first: bool
     is_tied_first: bool
 
@@ -116,9 +125,23 @@ def deck_of(case: AnyCase) -> Deck:
             for load in loads
             for name, value in load.pressures.items()
         },
+        fluids=_fluids(built, regions),
+        directions=along_walls(built.bodies.mesh)[layer.parent] if discretisation.walls[0].fibres else None,
         comes_first=comes_first,
         is_tied_first=getattr(tissue.strategy, "kind", "") == "sddp",
     )
+
+
+def _fluids(built: Simulation, regions: NDArray[np.str_]) -> dict[str, tuple[float, Index]]:
+    """Return area and boundary edges of each lumen that is full of a fluid."""
+    bodies, found = built.bodies, {}
+    elements = [bodies.mesh[edge.edges[0]].elements[0].nr for edge in bodies.mesh.Elements(ngsolve.BND)]
+    owner = bodies.body_of_element[elements]
+    for fluid in (term for term in built.discretisation.terms if isinstance(term, LumenFluids)):
+        for body, area in zip(fluid.body, fluid.area, strict=True):
+            edges = np.flatnonzero((regions == LUMEN) & (owner == body))
+            found[f"{bodies.body_names[body]}-lumen"] = float(area), edges
+    return found
 
 
 def _wall_edges(built: Simulation) -> Index:

@@ -5,7 +5,10 @@ from __future__ import annotations
 from ngcell.errors import CaseError
 from ngcell.mechanics.applied.potential import AppliedLoads
 from ngcell.mechanics.bulk import BodyEnergy, InclusionEnergy
+from ngcell.mechanics.fluid import LumenFluids
+from ngcell.mechanics.laws.fibres import ExponentialFibres, QuadraticFibres
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
+from ngcell.mechanics.lumens.fluid import Fluid
 from ngcell.mechanics.supports import Support
 from ngcell.scene import AnyCase, Case
 
@@ -37,13 +40,20 @@ def check_case(case: AnyCase) -> Case:
     for name, law in laws.items():
         if law is not None and not isinstance(law, MooneyRivlin):
             raise _refused(f"{name}, a law of a script", 'kind = "mooney-rivlin"')
-        if law is not None and law.fibres is not None:
-            raise _refused(f"{name}.fibres", "walls without fibres")
+        if law is not None and law.fibres is not None and fibres_of(law) is None:
+            raise _refused(f"{name}.fibres, a law of a script", 'kind = "exponential" or "quadratic"')
+    if isinstance(case.lumen, Fluid) and case.lumen.fill != 1:
+        raise _refused(f"lumen.fill = {case.lumen.fill:g}", "1, since FEBio keeps the volume at rest")
     return case
 
 
+def fibres_of(law: MooneyRivlin) -> ExponentialFibres | QuadraticFibres | None:
+    """Return the fibres in a law; None if there are none that a deck can say."""
+    return law.fibres if isinstance(law.fibres, (ExponentialFibres, QuadraticFibres)) else None
+
+
 def check_terms(terms: tuple[object, ...]) -> None:
-    """Check that a scene has no energy but that of bodies, inclusions and pressures.
+    """Check that a scene has no energy but that of bodies and of what is in their lumens.
 
     Raises
     ------
@@ -54,8 +64,8 @@ def check_terms(terms: tuple[object, ...]) -> None:
         if isinstance(term, AppliedLoads):
             if term.has_others:
                 raise _refused("a traction or a body force", "pressures in cells")
-        elif not isinstance(term, (BodyEnergy, InclusionEnergy)):
-            raise _refused(f"what {type(term).__name__} stands for", "walls, pressures in cells and inclusions")
+        elif not isinstance(term, (BodyEnergy, InclusionEnergy, LumenFluids)):
+            raise _refused(f"what {type(term).__name__} stands for", "walls, pressures, fluids and inclusions in cells")
 
 
 def check_support(support: Support) -> None:

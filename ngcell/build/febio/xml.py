@@ -1,8 +1,8 @@
 """A deck as the XML text of FEBio 4 (`febio_spec` 4.0).
 
-FEBio's uncoupled "Mooney-Rivlin" is ``c1 (I1* - 3) + c2 (I2* - 3) + k/2 (ln J)^2``: its c1 and c2 are half of ours, its
-k is the bulk modulus. Its faces are seen from outside, and a pressure > 0 presses into the body. Time is 0 to 1 while
-the supports move, and, where walls are tied first, 1 to 2 while they are released.
+FEBio's faces are seen from outside, and a pressure > 0 presses into the body. Time is 0 to 1 while the supports move,
+and, where walls are tied first, 1 to 2 while they are released. A "volume" constraint keeps what its surface integral
+makes of the sides of a lumen alone, without a bottom and a lid: two thirds of the volume.
 """
 
 from __future__ import annotations
@@ -14,16 +14,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.build.febio.deck import TIE, Deck, Pair
+from ngcell.build.febio.elements import put
+from ngcell.build.febio.materials import put_axes, put_materials
 from ngcell.build.febio.scope import SILENT
 from ngcell.mechanics.supports import Support
 
 Index = NDArray[np.int64]
-Values = dict[str, object]
 
 #: Increments of each step, and by how much they may shrink.
 _INCREMENTS, _SMALLEST = 20, 1e-4
 #: Load curves: that of the supports, and that of pressures.
 _MOVES, _PRESSES = "1", "2"
+#: Change of the pressure in a lumen, as a share of itself, at which its multiplier is found.
+_KEPT = 0.01
 
 
 def deck_text(deck: Deck) -> str:
@@ -33,27 +36,22 @@ def deck_text(deck: Deck) -> str:
     told = (f"{deck.title}", f"one layer of thickness {thickness}; forces are for that thickness", *SILENT)
     root.append(Comment(" " + "; ".join(told).replace("--", "-") + " "))
     SubElement(root, "Module", type="solid")
-    _materials(root, deck)
+    put_materials(root, deck)
     _mesh(root, deck)
     domains = SubElement(root, "MeshDomains")
     for name, (material, _) in deck.parts.items():
         SubElement(domains, "SolidDomain", name=name, mat=material)
+    put_axes(root, deck)
     _boundary(root, deck)
     if deck.pressures:
         _loads(root, deck)
+    if deck.fluids:
+        _constraints(root, deck)
     _steps(root, deck)
     _curves(root, deck)
     _output(root, deck)
     indent(root)
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="unicode") + "\n"
-
-
-def _materials(root: Element, deck: Deck) -> None:
-    section = SubElement(root, "Material")
-    for number, (name, law) in enumerate(deck.materials.items(), 1):
-        material = SubElement(section, "material", id=str(number), name=name, type="Mooney-Rivlin")
-        _put(material, {"density": 1, "k": law.bulk_modulus, "pressure_model": "default"})
-        _put(material, {"c1": law.c1 / 2, "c2": law.c2 / 2})
 
 
 def _mesh(root: Element, deck: Deck) -> None:
@@ -75,7 +73,7 @@ def _mesh(root: Element, deck: Deck) -> None:
     for pair in deck.pairs:
         for mine, other, edges in zip(pair.names, pair.names[::-1], pair.edges, strict=True):
             _surface(mesh, deck, f"{mine}-facing-{other}", edges)
-    for name, (_, edges) in deck.pressures.items():
+    for name, (_, edges) in (*deck.pressures.items(), *deck.fluids.items()):
         _surface(mesh, deck, name, edges)
     for pair in deck.pairs:
         one, two = pair.names
@@ -103,7 +101,7 @@ def _surface(mesh: Element, deck: Deck, name: str, edges: Index) -> None:
 
 def _surface_pair(mesh: Element, name: str, primary: str, secondary: str) -> None:
     pair = SubElement(mesh, "SurfacePair", name=name)
-    _put(pair, {"primary": primary, "secondary": secondary})
+    put(pair, {"primary": primary, "secondary": secondary})
 
 
 def _boundary(root: Element, deck: Deck) -> None:
@@ -119,14 +117,14 @@ def _boundary(root: Element, deck: Deck) -> None:
         for axis, value in zip("xy", support.translation, strict=True):
             if value:
                 moved = _condition(section, f"{support.region}-{axis}", support.region, "prescribed displacement")
-                _put(moved, {"dof": axis})
+                put(moved, {"dof": axis})
                 SubElement(moved, "value", lc=_MOVES).text = f"{value:.15g}"
-                _put(moved, {"relative": 0})
+                put(moved, {"relative": 0})
 
 
 def _held(section: Element, name: str, nodes: str, axes: tuple[bool, ...]) -> None:
     held = _condition(section, name, nodes, "zero displacement")
-    _put(held, {f"{axis}_dof": int(is_held) for axis, is_held in zip("xyz", axes, strict=True)})
+    put(held, {f"{axis}_dof": int(is_held) for axis, is_held in zip("xyz", axes, strict=True)})
 
 
 def _deformed(section: Element, support: Support) -> None:
@@ -135,7 +133,7 @@ def _deformed(section: Element, support: Support) -> None:
     gradient = np.eye(3)
     gradient[:2, :2] += support.gradient
     SubElement(moved, "scale", lc=_MOVES).text = "1"
-    _put(moved, {"F": ",".join(f"{value:.15g}" for value in gradient.ravel())})
+    put(moved, {"F": ",".join(f"{value:.15g}" for value in gradient.ravel())})
 
 
 def _condition(section: Element, name: str, nodes: str, kind: str) -> Element:
@@ -147,7 +145,16 @@ def _loads(root: Element, deck: Deck) -> None:
     for name, (value, _) in deck.pressures.items():
         load = SubElement(section, "surface_load", name=f"pressure-{name}", surface=name, type="pressure")
         SubElement(load, "pressure", lc=_PRESSES).text = f"{value:.15g}"
-        _put(load, {"linear": 0, "symmetric_stiffness": 1})
+        put(load, {"linear": 0, "symmetric_stiffness": 1})
+
+
+def _constraints(root: Element, deck: Deck) -> None:
+    """Let lumens keep their volume: at first by a liquid as stiff as the walls' bulk, then by multipliers."""
+    section = SubElement(root, "Constraints")
+    for name, (area, _) in deck.fluids.items():
+        kept = SubElement(section, "constraint", name=f"fluid-{name}", surface=name, type="volume")
+        volume = 2 / 3 * area * deck.layer.thickness
+        put(kept, {"laugon": 1, "augtol": _KEPT, "penalty": deck.materials["wall"].bulk_modulus / volume})
 
 
 def _steps(root: Element, deck: Deck) -> None:
@@ -163,14 +170,14 @@ def _steps(root: Element, deck: Deck) -> None:
 
 def _control(step: Element) -> None:
     control, size = SubElement(step, "Control"), 1 / _INCREMENTS
-    _put(control, {"analysis": "STATIC", "time_steps": _INCREMENTS, "step_size": size})
-    _put(control, {"plot_level": "PLOT_MAJOR_ITRS", "output_level": "OUTPUT_MAJOR_ITRS"})
+    put(control, {"analysis": "STATIC", "time_steps": _INCREMENTS, "step_size": size})
+    put(control, {"plot_level": "PLOT_MAJOR_ITRS", "output_level": "OUTPUT_MAJOR_ITRS"})
     stepper = SubElement(control, "time_stepper", type="default")
-    _put(stepper, {"max_retries": 20, "opt_iter": 15, "dtmin": _SMALLEST * size, "dtmax": size, "cutback": 0.5})
+    put(stepper, {"max_retries": 20, "opt_iter": 15, "dtmin": _SMALLEST * size, "dtmax": size, "cutback": 0.5})
     solver = SubElement(control, "solver", type="solid")
-    _put(solver, {"symmetric_stiffness": "symmetric", "max_refs": 50, "diverge_reform": 1, "reform_each_time_step": 1})
-    _put(solver, {"lstol": 0.9, "dtol": 1e-3, "etol": 1e-3, "rtol": 1e-6})
-    _put(SubElement(solver, "qn_method", type="BFGS"), {"max_ups": 0})
+    put(solver, {"symmetric_stiffness": "symmetric", "max_refs": 50, "diverge_reform": 1, "reform_each_time_step": 1})
+    put(solver, {"lstol": 0.9, "dtol": 1e-3, "etol": 1e-3, "rtol": 1e-6})
+    put(SubElement(solver, "qn_method", type="BFGS"), {"max_ups": 0})
 
 
 def _contact(contacts: Element, deck: Deck, pair: Pair, *, is_tie: bool) -> None:
@@ -178,10 +185,10 @@ def _contact(contacts: Element, deck: Deck, pair: Pair, *, is_tie: bool) -> None
     name, kind = (_name(pair, "tie"), "tied-elastic") if is_tie else (_name(pair, "contact"), "sliding-elastic")
     contact = SubElement(contacts, "contact", name=name, surface_pair=name, type=kind)
     stiffness, reach = (pair.stiffness * TIE, 0.1) if is_tie else (pair.stiffness, 1.0)
-    _put(contact, {"laugon": "PENALTY", "penalty": stiffness / 2, "auto_penalty": 0, "two_pass": 1})
-    _put(contact, {"search_tol": 0.01, "search_radius": reach * deck.layer.thickness, "symmetric_stiffness": 1})
+    put(contact, {"laugon": "PENALTY", "penalty": stiffness / 2, "auto_penalty": 0, "two_pass": 1})
+    put(contact, {"search_tol": 0.01, "search_radius": reach * deck.layer.thickness, "symmetric_stiffness": 1})
     if not is_tie:
-        _put(contact, {"seg_up": 0, "tension": 0, "fric_coeff": 0})
+        put(contact, {"seg_up": 0, "tension": 0, "fric_coeff": 0})
 
 
 def _name(pair: Pair, kind: str) -> str:
@@ -198,7 +205,7 @@ def _curves(root: Element, deck: Deck) -> None:
 
 def _curve(section: Element, number: str, points: Iterable[tuple[float, float]]) -> None:
     curve = SubElement(section, "load_controller", id=number, type="loadcurve")
-    _put(curve, {"interpolate": "LINEAR", "extend": "CONSTANT"})
+    put(curve, {"interpolate": "LINEAR", "extend": "CONSTANT"})
     places = SubElement(curve, "points")
     for time, value in points:
         SubElement(places, "pt").text = f"{time:g},{value:g}"
@@ -212,11 +219,6 @@ def _output(root: Element, deck: Deck) -> None:
     log = SubElement(section, "logfile")
     for support, _ in deck.supports:
         SubElement(log, "node_data", data="Rx;Ry", node_set=support.region, file=f"{support.region}.csv", delim=",")
-
-
-def _put(parent: Element, values: Values) -> None:
-    for name, value in values.items():
-        SubElement(parent, name).text = f"{value:.12g}" if isinstance(value, float) else str(value)
 
 
 def _listed(numbers: Index) -> str:
