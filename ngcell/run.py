@@ -12,9 +12,6 @@ from pydantic import BaseModel
 from ngcell import export
 from ngcell.build.additions import Additions, told_additions
 from ngcell.build.discretisation import discretise
-from ngcell.build.febio.deck import deck_of
-from ngcell.build.febio.scope import SILENT
-from ngcell.build.febio.xml import deck_text
 from ngcell.build.memory import entry_count, foreseen_memory, solver_name
 from ngcell.build.options import Options
 from ngcell.build.problems import OwnTerm
@@ -249,6 +246,10 @@ def export_febio(case: AnyCase, path: Path) -> dict[str, Any]:
     OutputError
         If the file cannot be written.
     """
+    from ngcell.build.febio.deck import deck_of  # only here: it knows fluids and fibres, which few scenes load
+    from ngcell.build.febio.scope import SILENT
+    from ngcell.build.febio.xml import deck_text
+
     deck = deck_of(case)
     replace_file(path, deck_text(deck).encode())
     return {
