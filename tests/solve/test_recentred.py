@@ -91,6 +91,35 @@ def test_it_ends_without_an_equilibrium_once_the_energy_is_too_low():
         assert minimum.is_found is (ending is Ending.CONVERGED)
 
 
+@dataclass
+class Overlapping(Bowl):
+    """A bowl whose penalty terms are made stiffer again and again, and leave a share of their overlap each time."""
+
+    left: float = 0.1
+    deepest: float = 1e-3
+    updates: int = 0
+
+    def update_multipliers(self, state: Point) -> tuple[float, float]:
+        self.updates += 1
+        self.deepest *= self.left
+        return self.deepest, 0.0
+
+
+@pytest.mark.parametrize(
+    ("left", "has_multipliers", "is_found"), [(0.1, False, True), (0.5, False, False), (0.5, True, True)]
+)
+def test_overlaps_that_stiffer_penalty_terms_leave_are_given_up(left, has_multipliers, is_found):
+    """Where walls press each other a tenth is left; on wrong sides of each other they stay. Multipliers are no penalty.
+    """
+    options = ContinuationOptions(felt=1e-3, sufficient=1e-4, recentred=1.0)
+    bowl = Overlapping(left=left, has_multipliers=has_multipliers)
+    minimum = recentred(Minimiser(bowl, 0.1, energy_scale=1.0), np.zeros(3), WEIGHT, options)
+    assert minimum.is_found is is_found
+    if not is_found:
+        assert minimum.ending is Ending.CONDITIONS_MISSED
+        assert bowl.updates == 1 + options.most_in_vain
+
+
 def test_last_digits_are_found_under_a_firm_hold_and_the_pull_that_is_left_is_taken_away():
     """A firm term stops the bowl after a hundredth of the way, and pulls as much as the slope does."""
     options = ContinuationOptions(felt=1.0, sufficient=1.0, recentred=0.1, resting=10.0, allowed=1e-3)
