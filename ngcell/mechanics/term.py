@@ -8,8 +8,7 @@ updated at equilibria; and reports.
 
 A term of one's own derives from `Term` and defines `value` and `gradient`, and `pattern` and `tangent` where its second
 derivative is not zero; all else has a default. Its `role` says whether its forces are stored in bodies, act from
-outside, or act between bodies. An energy that NGSolve can express needs less: see `ngcell.mechanics.symbolic`.
-Examples stand in `docs/examples`.
+outside, or act between bodies. What NGSolve can express needs less: see `ngcell.mechanics.symbolic`, `docs/examples`.
 
 Signs: a gradient is minus the force that the term exerts on the unknowns. Gaps are positive where walls are apart.
 """
@@ -160,6 +159,10 @@ class Term(ABC):
         """Return the part of the tangent whose pattern moves, shape (unknowns, unknowns)."""
         return None
 
+    def convex_curvature(self, at: Configuration) -> sparse.coo_array | None:
+        """Return a convex part of `curvature`; where there is none, that is left out of models that are not convex."""
+        return None
+
     def constraints(self, at: Configuration) -> OneSided | None:
         """Return the one-sided quadratic part of the energy."""
         return None
@@ -236,8 +239,8 @@ class Term(ABC):
         """Take over what the same term on a coarser mesh knows at an equilibrium on that mesh."""
 
     def update_multipliers(self, at: Configuration, stored: StoredEnergy) -> tuple[float, float]:
-        """Update multipliers, or a penalty that is too soft, at an equilibrium that stores this energy; return by how
-        much conditions that the energy only approaches were missed, a length and an energy: zeros where none were."""
+        """Update multipliers, or a penalty that is too soft, at an equilibrium that stores this energy; return the
+        length and the energy by which conditions that the energy only approaches were missed: zeros if none were."""
         return 0.0, 0.0
 
     def take_multipliers(self, keys: Index, lowered: Array) -> None:
@@ -263,8 +266,7 @@ class Term(ABC):
         return None
 
     def overlap_over(self, at: Configuration, thickness: Array) -> float | None:
-        """Return the deepest overlap over the thinner body's thickness, shape (bodies,) [length]; None where none is
-        seen."""
+        """Return that over the thinner body's thickness, shape (bodies,) [length]; None where none is seen."""
         overlap = self.overlap(at)
         return None if overlap is None else overlap / float(thickness.min())
 
@@ -274,8 +276,7 @@ class Term(ABC):
 
     @property
     def is_mixed(self) -> NDArray[np.bool_] | None:
-        """Elements whose stress takes the volume ratio of the mixed method, shape (elements,); None if there are none;
-        see `ngcell.mechanics.mixed`."""
+        """Elements with the volume ratio of `ngcell.mechanics.mixed`, shape (elements,); None if there are none."""
         return None
 
     def stress(self, gradient: Array, element: Index) -> Array | None:
@@ -287,8 +288,7 @@ class Term(ABC):
         return {}
 
     def bonds_at(self, at: Configuration) -> tuple[Index, Array, NDArray[np.bool_]] | None:
-        """Return the two bodies of each bond, shape (bonds, 2), the lower number first, the length that it stands for
-        [length], and whether it is broken; None for a term without bonds."""
+        """Return bodies, shape (bonds, 2), the lower number first, length [length] and whether each bond is broken."""
         return None
 
     def columns(self, at: Configuration) -> dict[str, float]:

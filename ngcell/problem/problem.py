@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property, reduce
-from operator import add
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -24,7 +23,7 @@ from ngcell.problem.reports import deepest_overlap
 from ngcell.problem.rotation import finite_rotation_update
 from ngcell.problem.state import Linearisation, State
 from ngcell.problem.stored import stored_by
-from ngcell.problem.sums import total, whole_gradient
+from ngcell.problem.sums import folded, total, whole_gradient
 from ngcell.problem.tie import Tie
 from ngcell.problem.unknowns import OwnUnknowns, TiedUnknowns, UnknownMap
 
@@ -138,11 +137,14 @@ class Problem:
         stiffness = tangents[0] if len(tangents) == 1 else np.concatenate([np.zeros(0), *tangents])
         if self._factors is not None:
             stiffness = stiffness * self._factors
-        curved = [curvature for term in self._sum if (curvature := term.curvature(at)) is not None]
-        curvature = self.unknowns.fold_curvature(reduce(add, curved)) if curved else None
+        curvature = folded(self.unknowns, (term.curvature(at) for term in self._sum))
         constraints = self._constraints(at)
         constraints = replace(constraints, jacobian=self.unknowns.fold_columns(constraints.jacobian))
         return Linearisation(gradient, stiffness, curvature, constraints)
+
+    def convex_curvature(self, state: State) -> sparse.coo_array | None:
+        """Return a convex part of the curvature of constraints."""
+        return folded(self.unknowns, (term.convex_curvature(state.at) for term in self._sum))
 
     def _constraints(self, at: Configuration) -> OneSided:
         """Return the constraints of all terms; keys of different terms differ."""

@@ -54,6 +54,12 @@ class Assembly:
             model = OneSidedModel(gradient, stiffness, line.gap, line.jacobian, line.penalty, free)
             return model, system.matrix
 
+    def convex(self, model: OneSidedModel, state: State) -> OneSidedModel:
+        """Return a model about a state in which no gap that is closed bends the energy downwards."""
+        with self.clock.phase("assembly"):
+            curvature = self.problem.convex_curvature(state)
+            return model.bent_by(None if curvature is None else curvature.tocsr())
+
     def damped(self, model: OneSidedModel, damping: Array) -> OneSidedModel:
         """Return a model with a damping of each body, an array of shape (bodies,) [stress / length**2]."""
         if not damping.any():

@@ -224,7 +224,7 @@ class Minimiser:
         energy = self.total(state, proximal)
         lost = max(self.options.round_off * abs(energy), self._noise)
         undamped, matrix = self.assembly.model(state, line, proximal)
-        is_last = False
+        is_last, is_whole = False, undamped.is_bent and self.problem.has_multipliers
         for _ in range(self.options.most_refusals):
             model = self.assembly.damped(undamped, damping)
             found, lacking = self._newton.step(model, matrix), self._damper.none
@@ -249,8 +249,8 @@ class Minimiser:
                 if change < 0 and gain > least:
                     relaxed = self._damper.relaxed(damping, step, slope, lacking, gain / -change)
                     return Advance(trial, relaxed, found.decrement, is_led and not is_last)
-            if not is_convex and undamped.is_bent and self.problem.has_multipliers:
-                undamped = undamped.straight
+            if not is_convex and is_whole:
+                undamped, is_whole = self.assembly.convex(undamped, state), False
             elif is_convex or found.not_convex is None:
                 damping = self._damper.raised(damping, step, slope, lacking)
             else:

@@ -85,10 +85,9 @@ class OneSidedModel:
         """Whether it has the curvature of gaps."""
         return self.stiffness.moving is not None
 
-    @property
-    def straight(self) -> OneSidedModel:
-        """The model as if gaps were linear in displacements."""
-        return replace(self, stiffness=replace(self.stiffness, moving=None))
+    def bent_by(self, curvature: sparse.csr_array | None) -> OneSidedModel:
+        """Return the model with another curvature of gaps; without one they are as if linear in displacements."""
+        return replace(self, stiffness=replace(self.stiffness, moving=curvature))
 
     @cached_property
     def full_gradient(self) -> Array:

@@ -124,6 +124,9 @@ class Problem(Protocol):
     def gradient_of_constraints(self, state: Any) -> Array:
         """Return the part of the gradient that is due to one-sided constraints, shape (unknowns,)."""
 
+    def convex_curvature(self, state: Any) -> sparse.coo_array | None:
+        """Return a convex part of `Linearisation.curvature`; None if there is none."""
+
     def linearise(self, state: Any) -> Linearisation:
         """Return the model about a state."""
 

@@ -134,6 +134,21 @@ def tangent_miss(pair: Cells, state: State) -> float:
 
 
 @pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("name", ["closed", "closed, with multipliers", "slid off"])
+def test_the_convex_part_of_the_curvature_has_no_direction_in_which_it_falls(order, name):
+    """What is left out bends the energy downwards, and nothing else."""
+    depth, aside, multipliers, _ = STATES[name]
+    pair = cells(order, multipliers)
+    state = pair.state(depth, aside, 0.02)
+    whole, convex = pair.problem.linearise(state).curvature, pair.problem.convex_curvature(state)
+    assert whole is not None and convex is not None
+    scale = abs(whole).max()
+    lowest, highest = (np.linalg.eigvalsh(matrix.toarray()) for matrix in (convex, whole - convex))
+    assert lowest.min() > -1e-12 * scale and highest.max() < 1e-12 * scale
+    assert lowest.max() > 1e-3 * scale and highest.min() < -1e-3 * scale
+
+
+@pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_the_model_holds_on_both_sides_of_the_kink(order, side):
     """At the kink all penalty terms are just at rest: pressed after a step to one side, not after one to the other."""

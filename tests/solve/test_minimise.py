@@ -132,6 +132,9 @@ class Overhang(Landscape):
         curvature = sparse.coo_array(one, shape=(3, 3))
         return replace(super().linearise(state), gradient=gradient, stiffness=np.ones(3), curvature=curvature)
 
+    def convex_curvature(self, state: Point) -> None:
+        return None
+
 
 def descend(
     problem: Landscape,

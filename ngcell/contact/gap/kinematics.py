@@ -97,19 +97,21 @@ class GapKinematics:
         vectors = (vector[chosen] for vector in self.vectors(positions))
         return self.gap.curvatures(self.pairs, chosen, self.side[chosen], self.correction[chosen], *vectors)
 
-    def bending(self, positions: Array, contact_forces: Array) -> sparse.coo_array:
-        """Return the part of the tangent that contact forces [stress * length], shape (n,), have on curved gaps."""
+    def bending(self, positions: Array, contact_forces: Array, *, convex: bool = False) -> sparse.coo_array:
+        """Return the part of the tangent that contact forces [stress * length], shape (n,), have on curved gaps; its
+        convex part is that of each contact pair."""
         closed, at_once = np.flatnonzero(contact_forces > 0), self.gap.at_once
         if len(closed) <= at_once:
-            return self._bent(positions, contact_forces, closed)
+            return self._bent(positions, contact_forces, closed, convex)
         # Many points share the unknowns of a facet: summed part by part, their blocks take little memory.
         starts = range(0, len(closed), at_once)
-        parts = (self._bent(positions, contact_forces, closed[first : first + at_once]).tocsr() for first in starts)
+        chosen = (closed[first : first + at_once] for first in starts)
+        parts = (self._bent(positions, contact_forces, some, convex).tocsr() for some in chosen)
         return reduce(add, parts).tocoo()
 
-    def _bent(self, positions: Array, contact_forces: Array, chosen: Index) -> sparse.coo_array:
+    def _bent(self, positions: Array, contact_forces: Array, chosen: Index, convex: bool) -> sparse.coo_array:
         blocks = -contact_forces[chosen, None, None] * self.curvatures(positions, chosen)
-        return self.assemble(blocks, chosen, positions.shape[1])
+        return self.assemble(positive_part(blocks) if convex else blocks, chosen, positions.shape[1])
 
     def jacobian(self, slopes: Array, columns: int) -> sparse.csr_array:
         """Return the derivatives of all gaps by the unknowns, from `slopes`; shape (n, d columns)."""
@@ -136,6 +138,12 @@ class GapKinematics:
         by_unknown = blocks.reshape(*blocks.shape[:2], len(self.maps), axes).transpose(0, 1, 3, 2) @ factors[:, None]
         every = np.repeat(unknown.reshape(len(chosen), 1, axes * self.dofs.shape[1]), blocks.shape[1], axis=1)
         return (maps.T @ _sparse_rows(by_unknown, every, axes * columns)).tocoo()
+
+
+def positive_part(blocks: Array) -> Array:
+    """Return symmetric matrices, shape (n, size, size), without what their negative eigenvalues add to them."""
+    values, vectors = np.linalg.eigh(blocks)
+    return np.asarray((vectors * np.maximum(values, 0)[:, None, :]) @ vectors.transpose(0, 2, 1))
 
 
 def _sparse_rows(values: Array, columns: Index, count: int) -> sparse.csr_array:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ngcell.contact.gap.kinematics import GapKinematics
+from ngcell.contact.gap.kinematics import GapKinematics, positive_part
 
 Array = NDArray[np.float64]
 
@@ -41,8 +41,9 @@ class Cuts:
         moved = self._moved(positions)
         return self.share @ self.kinematics.jacobian(gap[:, None] * moved, positions.shape[1])
 
-    def curvature(self, positions: Array, normal_force: Array) -> sparse.coo_array:
-        """Return what moving ends add to the tangent under the multipliers' forces, shape (m,) [stress * length]."""
+    def curvature(self, positions: Array, normal_force: Array, *, convex: bool = False) -> sparse.coo_array:
+        """Return what moving ends add to the tangent under the multipliers' forces, shape (m,) [stress * length]; its
+        convex part is that of each end."""
         applied = self.share.T @ normal_force
         chosen = np.flatnonzero(applied)
         _, slopes = self.kinematics.slopes(positions)
@@ -51,7 +52,8 @@ class Cuts:
         slopes, moved = slopes[chosen], moved[chosen]
         mixed = slopes[:, :, None] * moved[:, None, :]
         blocks = mixed + mixed.transpose(0, 2, 1) + rise * moved[:, :, None] * moved[:, None, :]
-        return self.kinematics.assemble(-applied[chosen, None, None] * blocks, chosen, positions.shape[1])
+        blocks = -applied[chosen, None, None] * blocks
+        return self.kinematics.assemble(positive_part(blocks) if convex else blocks, chosen, positions.shape[1])
 
     def _moved(self, positions: Array) -> Array:
         """Return the derivatives of the ends by ``(a, t)``, shape (n, 4)."""

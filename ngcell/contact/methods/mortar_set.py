@@ -101,9 +101,18 @@ class MortarSet:
 
     def curvature(self, positions: Array) -> sparse.coo_array:
         """Return the part of the tangent that is due to the curvature of the closed gaps."""
+        return self._curvature(positions, convex=False)
+
+    def convex_curvature(self, positions: Array) -> sparse.coo_array:
+        """Return the part of the curvature in which no point, and no moving end, bends the energy downwards."""
+        return self._curvature(positions, convex=True)
+
+    def _curvature(self, positions: Array, *, convex: bool) -> sparse.coo_array:
         normal_force = self.weight * self.pressures(positions)
-        bending = self.kinematics.bending(positions, self.average.T @ normal_force)
-        return bending if self.cuts is None else bending + self.cuts.curvature(positions, normal_force)
+        bending = self.kinematics.bending(positions, self.average.T @ normal_force, convex=convex)
+        if self.cuts is None:
+            return bending
+        return bending + self.cuts.curvature(positions, normal_force, convex=convex)
 
     def contact_forces(self, positions: Array) -> Array:
         """Return the force that each point transmits [stress * length], >= 0."""

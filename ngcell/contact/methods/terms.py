@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ngcell.contact.cohesion.bonds import Bonds
+from ngcell.contact.methods.mortar_set import MortarSet
 from ngcell.contact.methods.overlaps import overlaps
 from ngcell.contact.methods.protocol import Adapting, ContactMethod, ContactSet
 from ngcell.contact.surface.surface import SurfacePoints
@@ -97,6 +98,11 @@ class ContactTerm(Term):
     def curvature(self, at: Configuration) -> sparse.coo_array:
         """Return the part of the tangent that is due to the curvature of closed gaps."""
         return self.found(at).curvature(at.positions)
+
+    def convex_curvature(self, at: Configuration) -> sparse.coo_array | None:
+        """Return the part of it in which no point bends the energy downwards; None of a penalty."""
+        found = self.found(at)
+        return found.convex_curvature(at.positions) if isinstance(found, MortarSet) else None
 
     def couplings(self, at: Configuration, margin: float) -> tuple[Index, Index]:
         """Return the entries that pairs in reach may fill."""
