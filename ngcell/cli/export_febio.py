@@ -27,7 +27,8 @@ def _deck_file(ctx: click.Context, parameter: click.Parameter, file: Path) -> Pa
     help="File of the deck, which ends with .feb.",
 )
 def export_febio(case: str, overrides: tuple[str, ...], out: Path) -> None:
-    """Write CASE, a planar tissue, as a FEBio 4 deck: mesh, materials, contact pairs, supports, pressures, steps.
+    """Write CASE, a planar tissue, as a FEBio 4 deck: mesh, materials, contact pairs, supports, pressures or fluids,
+    steps.
 
     CASE is a TOML file or the name of a case that comes with ngcell. What the deck cannot say ends the export with one
     line, or is told after the numbers.

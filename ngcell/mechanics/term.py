@@ -266,7 +266,7 @@ class Term(ABC):
         return None
 
     def overlap_over(self, at: Configuration, thickness: Array) -> float | None:
-        """Return that over the thinner body's thickness, shape (bodies,) [length]; None where none is seen."""
+        """Return the deepest overlap over the thinner body's thickness, (bodies,) [length]; None where none is seen."""
         overlap = self.overlap(at)
         return None if overlap is None else overlap / float(thickness.min())
 
@@ -288,7 +288,7 @@ class Term(ABC):
         return {}
 
     def bonds_at(self, at: Configuration) -> tuple[Index, Array, NDArray[np.bool_]] | None:
-        """Return bodies, shape (bonds, 2), the lower number first, length [length] and whether each bond is broken."""
+        """Return bodies, (bonds, 2), lower first, length [length] and whether it broke, of each bond; None without."""
         return None
 
     def columns(self, at: Configuration) -> dict[str, float]:

@@ -42,8 +42,9 @@ class ContinuationOptions:
     slid, most_leads : float, int
         Falls that suffice from which on they have slid away, and the penalty, which may cost half of it, leads again.
     undone, most_in_vain : float, int
-        Share of an overlap that penalty terms which were made stiffer may leave; and how often in a row they may leave
-        more until walls are known to be on wrong sides of each other.
+        Share of an overlap that penalty terms which were made ten times stiffer may leave, half-way, in logarithms,
+        from the tenth where walls press to all of it; and how often in a row they may leave more until walls are
+        presumed to be on wrong sides of each other.
     hardly_strained : float
         Strain below which the energy is told from nothing no more.
     first_overlapping : float

@@ -30,7 +30,7 @@ CASES = (
     "shear-empty-single-step",
 )
 #: Tags whose type says what may stand in them.
-TYPED = {"material", "solid", "bc", "contact", "surface_load", "constraint", "qn_method"}
+TYPED = {"material", "solid", "bc", "contact", "surface_load", "constraint", "solver", "qn_method"}
 
 
 @cache

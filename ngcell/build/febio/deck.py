@@ -135,9 +135,12 @@ def deck_of(case: AnyCase) -> Deck:
 def _fluids(built: Simulation, regions: NDArray[np.str_]) -> dict[str, tuple[float, Index]]:
     """Return area and boundary edges of each lumen that is full of a fluid."""
     bodies, found = built.bodies, {}
+    fluids = [term for term in built.discretisation.terms if isinstance(term, LumenFluids)]
+    if not fluids:
+        return {}
     elements = [bodies.mesh[edge.edges[0]].elements[0].nr for edge in bodies.mesh.Elements(ngsolve.BND)]
     owner = bodies.body_of_element[elements]
-    for fluid in (term for term in built.discretisation.terms if isinstance(term, LumenFluids)):
+    for fluid in fluids:
         for body, area in zip(fluid.body, fluid.area, strict=True):
             edges = np.flatnonzero((regions == LUMEN) & (owner == body))
             found[f"{bodies.body_names[body]}-lumen"] = float(area), edges

@@ -8,13 +8,12 @@ first is the wall's direction, the third that of the cell, and a fibre of angle 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
 from ngcell.build.febio.deck import Deck
-from ngcell.build.febio.elements import put
+from ngcell.build.febio.elements import listed, put
 from ngcell.build.febio.scope import fibres_of
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 
@@ -33,7 +32,7 @@ def put_materials(root: Element, deck: Deck) -> None:
         for angle in fibres.radians:
             family = SubElement(material, "solid", type="fiber-exp-pow")
             put(family, {"alpha": fibres.exponent_or_zero, "beta": 2, "ksi": fibres.stiffness})
-            SubElement(family, "fiber", type="vector").text = _listed((np.cos(angle), 0.0, np.sin(angle)))
+            SubElement(family, "fiber", type="vector").text = listed((np.cos(angle), 0.0, np.sin(angle)))
 
 
 def _put_solid(material: Element, law: MooneyRivlin) -> None:
@@ -52,8 +51,4 @@ def put_axes(root: Element, deck: Deck) -> None:
         axes = SubElement(section, "ElementData", type="mat_axis", elem_set=name)
         for number, (x, y) in enumerate(deck.directions[elements], 1):
             element = SubElement(axes, "e", lid=str(number))
-            put(element, {"a": _listed((x, y, 0.0)), "d": _listed((-y, x, 0.0))})
-
-
-def _listed(components: Iterable[float]) -> str:
-    return ",".join(f"{value:.15g}" for value in components)
+            put(element, {"a": listed((x, y, 0.0)), "d": listed((-y, x, 0.0))})

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.build.febio.deck import TIE, Deck, Pair
-from ngcell.build.febio.elements import put
+from ngcell.build.febio.elements import listed, put
 from ngcell.build.febio.materials import put_axes, put_materials
 from ngcell.build.febio.scope import SILENT
 from ngcell.mechanics.supports import Support
@@ -58,7 +58,7 @@ def _mesh(root: Element, deck: Deck) -> None:
     mesh, layer = SubElement(root, "Mesh"), deck.layer
     nodes = SubElement(mesh, "Nodes", name="tissue")
     for number, place in enumerate(layer.nodes, 1):
-        SubElement(nodes, "node", id=str(number)).text = ",".join(f"{value:.15g}" for value in place)
+        SubElement(nodes, "node", id=str(number)).text = listed(place)
     number = 0
     for name, (_, elements) in deck.parts.items():
         part = SubElement(mesh, "Elements", type="hex20", name=name)
@@ -133,7 +133,7 @@ def _deformed(section: Element, support: Support) -> None:
     gradient = np.eye(3)
     gradient[:2, :2] += support.gradient
     SubElement(moved, "scale", lc=_MOVES).text = "1"
-    put(moved, {"F": ",".join(f"{value:.15g}" for value in gradient.ravel())})
+    put(moved, {"F": listed(gradient.ravel())})
 
 
 def _condition(section: Element, name: str, nodes: str, kind: str) -> Element:
