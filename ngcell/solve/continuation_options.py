@@ -36,9 +36,9 @@ class ContinuationOptions:
         asked for, nine tenths of what the certificate allows.
     only_leads : bool
         Whether the end of the path only leads to equilibria on finer meshes.
-    handover, handover_idle : float
-        Weight from which multipliers take over from a penalty: without its overlaps walls slide on, far for little
-        energy; and `idle_at_last` there.
+    handover_update, handover_idle : float, float
+        `update` and `idle_at_last` where multipliers take over from a penalty, under the weight under which last digits
+        are found: without its overlaps walls slide on, far for little energy.
     slid, most_leads : float, int
         Falls that suffice from which on they have slid away, and the penalty, which may cost half of it, leads again.
     undone, most_in_vain : float, int
@@ -93,7 +93,7 @@ class ContinuationOptions:
     allowed: float = 0.0
     allowed_of_accuracy: float = 0.09
     only_leads: bool = False
-    handover: float = 3e-4
+    handover_update: float = 0.01
     handover_idle: float = 0.7
     slid: float = 10.0
     most_leads: int = 10
@@ -128,8 +128,8 @@ class ContinuationOptions:
     def handing_over(self) -> ContinuationOptions:
         """The numbers with which multipliers take over from a penalty: walls are held so that they stay at its
         equilibrium, or slide on in small steps."""
-        weights = replace(self, recentred=self.handover, resting=max(self.handover, self.resting), last=self.recentred)
-        return replace(weights, idle_at_last=self.handover_idle)
+        weights = replace(self, recentred=self.resting, last=self.recentred)
+        return replace(weights, update=self.handover_update, idle_at_last=self.handover_idle)
 
     @property
     def of_leading(self) -> float:

@@ -5,7 +5,9 @@ if the energy falls by a fair share of what the model foresaw; if not, or if the
 damping is raised, in the bodies where the model fails (`ngcell.solve.damping`), and the model, still at hand, is
 minimised again. The damping falls with every good step and is exactly zero at the end, so it leaves no trace in the
 result (`ngcell.solve.newton` finds the steps). Where contact has multipliers, a model that is not convex is first taken
-without the curvature of gaps: walls that slide a long way then take half of the iterations.
+without the part of the curvature of gaps that bends it downwards: walls that slide a long way then take half of the
+iterations. What is convex though the energy is not makes steps that are too short, and near a saddle they grow by a
+fourth each; where the energy falls nearly straight on along a step, longer ones are tried.
 
 Near the minimum differences of energies drown in round-off. There the model alone is trusted.
 """
@@ -21,6 +23,7 @@ from numpy.typing import NDArray
 
 from ngcell.clock import Clock
 from ngcell.solve.assembly import Assembly
+from ngcell.solve.curved import corrected
 from ngcell.solve.damping import Damper
 from ngcell.solve.effort import Budget, Effort
 from ngcell.solve.inner import minimise_one_sided
@@ -28,7 +31,7 @@ from ngcell.solve.minimum import Advance, Ending, Minimum
 from ngcell.solve.newton import Newton
 from ngcell.solve.one_sided import Matrix, OneSidedModel
 from ngcell.solve.options import MinimiserOptions
-from ngcell.solve.problem import Linearisation, Problem, State
+from ngcell.solve.problem import Problem, State
 from ngcell.solve.proximal import ProximalTerm
 from ngcell.solve.stall import Progress
 
@@ -241,12 +244,14 @@ class Minimiser:
                     return Advance(trial, self._damper.none, found.decrement, is_led)
                 least = self.options.poor * -change
                 if gain <= least:
-                    bent = self._bent(line, (model, matrix), step, trial, least - gain)
+                    bent = corrected(self.problem, self._newton, line, (model, matrix), step, trial, least - gain)
                     again = (trial, gain) if bent is None else self._tried(state, bent, proximal, energy)
                     trial, gain = again if again[1] > least else (trial, gain)
                 if not gain >= self.options.fair * -change:  # or no energy at all
                     lacking = self._lacking(undamped, matrix, step, trial, proximal)
                 if change < 0 and gain > least:
+                    if not is_led and gain > self.options.straight * -change:
+                        trial, gain = self._farther(state, step, proximal, energy, (trial, gain))
                     relaxed = self._damper.relaxed(damping, step, slope, lacking, gain / -change)
                     return Advance(trial, relaxed, found.decrement, is_led and not is_last)
             if not is_convex and is_whole:
@@ -263,30 +268,17 @@ class Minimiser:
         trial = self._at(self.problem.move(state.displacement, step))
         return trial, energy - trial.energy - self.proximal_energy(trial.displacement, proximal)
 
-    def _bent(
-        self, line: Linearisation, system: tuple[OneSidedModel, Matrix], step: Array, trial: State, lacking: float
-    ) -> Array | None:
-        """Return a step that follows the curvature of gaps; None where it is of no use.
-
-        Cells that slide or roll on each other move along curves. What the gaps after a step turned out to be beyond
-        their linear parts is added to the penalty terms, and the model is minimised again: a second-order correction.
-        It wins back what the penalty terms store beyond the model; where the energy that is `lacking` is more, it is
-        not tried.
-        """
-        model, matrix = system
-        if not np.isfinite(trial.energy) or not len(model.gap):
-            return None
-        foreseen = model.gap + model.jacobian @ step
-        keys, gaps = self.problem.gaps(trial)
-        place = np.minimum(np.searchsorted(keys, line.keys), max(len(keys) - 1, 0))
-        known = keys[place] == line.keys if len(keys) else np.zeros(len(line.keys), dtype=bool)
-        surplus = np.where(known, gaps[place] - foreseen, 0.0) if len(keys) else np.zeros_like(foreseen)
-        if not known.any() or float(np.abs(surplus).max()) > self.longest_step:
-            return None
-        if model.stored(foreseen + surplus) - model.stored(foreseen) <= lacking:
-            return None
-        bent = self._newton.step(replace(model, gap=model.gap + surplus), matrix)
-        return bent.step if bent.change <= 0 else None
+    def _farther(
+        self, state: State, step: Array, proximal: ProximalTerm, energy: float, found: tuple[State, float]
+    ) -> tuple[State, float]:
+        """Return the state after a step, or after twice, four times, ... as long a one while the energy falls on."""
+        while 2 * float(np.abs(step).max()) <= self.longest_step:
+            step = 2 * step
+            trial, gain = self._tried(state, step, proximal, energy)
+            if not gain > found[1]:
+                break
+            found = trial, gain
+        return found
 
     def _lacking(
         self, model: OneSidedModel, matrix: Matrix, step: Array, trial: State, proximal: ProximalTerm

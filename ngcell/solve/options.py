@@ -43,6 +43,9 @@ class MinimiserOptions:
     ----------
     poor, fair : float
         Share of the foreseen decrease below which a step is refused, and above which the damping falls.
+    straight : float
+        Multiple of the foreseen decrease above which the energy falls nearly straight on, and longer steps are tried:
+        half-way from a curvature as foreseen, 1, to none at all, 2.
     raise_by, nudge_by, lower_by : float
         Factors of the damping after a refused, a poor and a good step.
     short : float
@@ -73,6 +76,7 @@ class MinimiserOptions:
 
     poor: float = 1e-4
     fair: float = 0.25
+    straight: float = 1.5
     raise_by: float = 8.0
     nudge_by: float = 2.0
     lower_by: float = 0.1

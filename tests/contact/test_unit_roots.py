@@ -13,27 +13,34 @@ from tests.tissues import small_tissue
 
 
 def test_roots_are_found_from_anywhere():
+    """Polynomials that are nearly flat but for their ends: from there Newton's method alone is thrown far out."""
     rng = np.random.default_rng(3)
     root, start = rng.random((2, 500))
-
-    def function(chosen, at):
-        away = at - root[chosen]
-        return np.arctan(20 * away), 20 / (1 + 400 * away**2)  # from far away Newton's method alone is thrown out
-
-    np.testing.assert_allclose(unit_roots(function, start), root, atol=1e-12)
+    flat = np.polynomial.polynomial.polypow([-1, 2], 7)  # (2 xi - 1)^7
+    factors = np.tile(flat[:, None] + 0.02 * np.eye(8)[:, 1:2], (1, 500))
+    factors[0] -= np.polynomial.polynomial.polyval(root, factors[:, 0])
+    np.testing.assert_allclose(unit_roots(factors, start), root, atol=1e-12)
 
 
-def test_steps_that_overshoot_are_halved():
-    """Rates of a tenth of what they are: Newton's method alone goes to and fro between both ends."""
-    root = np.linspace(0.05, 0.95, 19)
-    found = unit_roots(lambda chosen, at: (at - root[chosen], np.full(len(at), 0.1)), np.full(19, 0.5))
-    np.testing.assert_allclose(found, root, atol=1e-12)
+def test_roots_of_many_folds_settle():
+    """At a root of order nine Newton's steps shrink by a ninth only; values are round-off within a hundredth of it."""
+    factors = np.polynomial.polynomial.polypow([-0.3, 1], 9)[:, None]
+    found = unit_roots(factors, np.array([1.0]))
+    np.testing.assert_allclose(found, 0.3, atol=0.02)
 
 
-def test_functions_that_do_not_change_sign_end_at_an_end():
-    offset = np.array([-3.0, 3.0])
-    found = unit_roots(lambda chosen, at: (at + offset[chosen], np.ones(len(at))), np.array([0.4, 0.4]))
-    np.testing.assert_array_equal(found, [1.0, 0.0])
+def test_of_several_roots_one_is_found_at_which_the_polynomial_rises():
+    rises = np.polynomial.polynomial.polyfromroots([0.1, 0.5, 0.8])
+    start = np.linspace(0, 1, 21)
+    found = unit_roots(np.tile(rises[:, None], (1, 21)), start)
+    assert np.minimum(abs(found - 0.1), abs(found - 0.8)).max() < 1e-12
+    np.testing.assert_allclose(found[[0, 1, 2, 3]], 0.1, atol=1e-12)
+    np.testing.assert_allclose(found[[-1, -2, -3]], 0.8, atol=1e-12)
+
+
+def test_polynomials_that_do_not_change_sign_end_at_an_end():
+    factors = np.array([[-3.0, 3.0], [1.0, 1.0]])
+    np.testing.assert_array_equal(unit_roots(factors, np.array([0.4, 0.4])), [1.0, 0.0])
 
 
 def bent_tissue(order: int = 4):

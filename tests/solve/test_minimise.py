@@ -136,6 +136,22 @@ class Overhang(Landscape):
         return None
 
 
+class Ridge(Overhang):
+    """A double well whose ridge is due to the curvature of gaps alone.
+
+    E = x^2 / 2 + y^2 / 2 + z^2 / 2 - x^2 + x^4 / 4, of which the last two terms are those of gaps
+    """
+
+    def at(self, displacement: np.ndarray) -> Point:
+        x = displacement[0]
+        return Point(displacement, float(displacement @ displacement / 2 - x**2 + x**4 / 4))
+
+    def linearise(self, state: Point) -> Model:
+        x, y, z = state.displacement
+        curvature = sparse.coo_array((np.array([3 * x**2 - 2]), (np.array([0]), np.array([0]))), shape=(3, 3))
+        return replace(super().linearise(state), gradient=np.array([x**3 - x, y, z]), curvature=curvature)
+
+
 def descend(
     problem: Landscape,
     start: tuple,
@@ -171,6 +187,20 @@ def test_what_floats_goes_where_the_proximal_term_pulls_and_nothing_else_is_felt
     x, y, z = minimum.state.displacement
     assert z == pytest.approx(5.0, abs=1e-6)
     assert abs(x - 1) < weight and abs(y) < weight
+
+
+def test_from_beside_a_ridge_of_gaps_steps_go_on_while_the_energy_falls_straight_on():
+    """A model without the curvature that makes the ridge has steps that only double the distance from it."""
+
+    def left(straight: float) -> int:
+        minimiser = Minimiser(Ridge(), 0.5, energy_scale=1.0, options=MinimiserOptions(straight=straight))
+        minimum = minimiser.minimise(np.array([1e-4, 0.0, 0.0]), NOWHERE)
+        assert minimum.ending is Ending.CONVERGED
+        np.testing.assert_allclose(minimum.state.displacement, [1, 0, 0], atol=1e-9)
+        return minimiser.effort.iterations
+
+    assert left(np.inf) >= 12
+    assert left(1.5) <= 8
 
 
 def test_one_sided_penalty_terms_are_found_closed_and_left_open():

@@ -50,19 +50,23 @@ def closest_points(walls: EdgeSurface, nodes: Array, facet: Index, point: Array)
     xi = np.einsum("pd,pd->p", point - nodes[:, 0], chord) / np.einsum("pd,pd->p", chord, chord)
     xi = np.clip(xi, 0, 1)
 
-    def slope_of_distance(chosen: Index, xi: Array) -> tuple[Array, Array]:
-        """Half of the derivative of the squared distance, and its rate."""
-        mine = nodes[chosen]
-        position, slope, bend = (np.einsum("pi,pid->pd", walls.basis.values(xi, degree), mine) for degree in range(3))
-        away = point[chosen] - position
-        steepness = np.einsum("pd,pd->p", slope, slope)
-        rate = np.maximum(steepness - np.einsum("pd,pd->p", away, bend), 0.1 * steepness)
-        return -np.einsum("pd,pd->p", away, slope), rate
-
     if walls.basis.order > 1:
-        xi = unit_roots(slope_of_distance, xi)
+        curves = walls.basis.by_powers((nodes - point[:, None]).transpose(1, 2, 0))
+        xi = unit_roots(_slopes_of_distance(curves), xi)
     position = np.einsum("pi,pid->pd", walls.basis.values(xi), nodes)
     return xi, np.linalg.norm(point - position, axis=1)
+
+
+def _slopes_of_distance(curves: Array) -> Array:
+    """Return half of the derivative of the squared distance from the origin, as polynomials, shape (2 order, n).
+
+    Curves have shape (order + 1, 2, n): factors of the powers of their coordinate.
+    """
+    order = len(curves) - 1
+    products = np.zeros((2 * order, curves.shape[2]))
+    for power in range(1, order + 1):
+        products[power - 1 : power + order] += power * (curves * curves[power]).sum(1)
+    return products
 
 
 def classified(walls: EdgeSurface, nodes: Array, facet: Index, xi: Array, point: Array) -> Classification:

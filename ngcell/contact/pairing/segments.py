@@ -64,14 +64,10 @@ def _projected(walls: EdgeSurface, nodes: Array, primary: Index, secondary: Inde
     start = nodes[primary, 0]
     chord = np.einsum("ed,ed->e", nodes[primary, -1] - start, tangent)
     xi = np.clip(np.einsum("ed,ed->e", vertex - start, tangent) / chord, 0, 1)
-    along, forward = np.einsum("eid,ed->ei", nodes[primary] - vertex[:, None], tangent), np.sign(chord)
-
-    def way_past(chosen: Index, xi: Array) -> tuple[Array, Array]:
-        """How far a point of the primary edge is beyond the normal, and its rate."""
-        value, rate = (np.einsum("ei,ei->e", walls.basis.values(xi, degree), along[chosen]) for degree in range(2))
-        return forward[chosen] * value, np.maximum(forward[chosen] * rate, 0.1 * np.abs(chord[chosen]))
-
-    return unit_roots(way_past, xi) if walls.basis.order > 1 else np.asarray(xi)
+    if walls.basis.order == 1:
+        return np.asarray(xi)
+    way_past = np.einsum("eid,ed->ie", nodes[primary] - vertex[:, None], tangent) * np.sign(chord)
+    return unit_roots(walls.basis.by_powers(way_past), xi)
 
 
 def segment_pairs(

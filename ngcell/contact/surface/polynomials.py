@@ -41,6 +41,10 @@ class Lagrange:
             by_powers.append(np.arange(1, len(by_powers[-1]))[:, None] * by_powers[-1][1:])
         return tuple(by_powers)
 
+    def by_powers(self, values: Array) -> Array:
+        """Return the factors of ``1, xi, xi^2, ...`` in polynomials with these values at the nodes, along axis 0."""
+        return np.asarray(np.tensordot(self._by_powers[0], values, 1))
+
     def values(self, xi: Array, derivative: int = 0) -> Array:
         """Return the derivative of the given degree of all polynomials at `xi`; shape (*xi.shape, order + 1)."""
         xi = np.asarray(xi)
