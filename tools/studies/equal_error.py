@@ -8,7 +8,7 @@ levels, in percent, of the energy, the plate force and the mean gap of held wall
 the run. Of both methods, runs that took longer than another one of theirs with a smaller error do not count: that one
 is the price of either error. At the error of each mortar run that counts, the seconds of the penalty follow from its
 own: by a line through the logarithms of error and seconds, beyond its largest error those of its cheapest run, and
-beyond its smallest at least those that it took there.
+beyond its smallest at least those that it took there. Only runs of the same sources are compared.
 Rows go to `tools/results/equal-error.csv`; those of the present sources are not repeated.
 """
 
@@ -109,7 +109,7 @@ def report(rows: Sequence[Row]) -> str:
     ]  # fmt: skip
     ratios = []
     for row in rows:
-        same = [one for one in rows if one["scene"] == row["scene"] and one["energy"]]
+        same = [one for one in rows if one["scene"] == row["scene"] and one["code"] == row["code"] and one["energy"]]
         penalty, mine = ([one for one in same if one["contact"] == kind] for kind in KINDS)
         if row["contact"] == "penalty" or not penalty or not row["energy"]:
             continue
