@@ -167,10 +167,13 @@ class Level(Generic[Scene]):
         problem = mine.problem_of(before.phase)
         return Refined(coarse.level + 1, mine, problem, accepted, Errors(), coarse.is_judged)
 
-    def finished(self, led: Refined[Scene], *, may_slide: bool = True) -> Refined[Scene] | None:
+    def finished(
+        self, led: Refined[Scene], *, may_slide: bool = True, leads_below: float = -inf
+    ) -> Refined[Scene] | None:
         """Return a step on this mesh at rest, by the contact that is meant; None where it finds no equilibrium.
 
-        Or where walls slide away from where they have been led, if they may not.
+        Or where walls slide away from where they have been led, if they may not. With an energy below `leads_below` it
+        only leads to a finer mesh, and is not at rest.
         """
         if led.accepted.phase == "tied":
             return led
@@ -179,7 +182,7 @@ class Level(Generic[Scene]):
         self.simulation.renew_budget()
         try:
             if led.only_leads:
-                minimum = self._by_meant_contact(led, may_slide)
+                minimum = self._by_meant_contact(led, may_slide, leads_below)
             elif minimum.proximal.weight:
                 minimum = rested(minimiser, minimum, path)
         except OutOfIterations:
@@ -191,10 +194,11 @@ class Level(Generic[Scene]):
         accepted = replace(led.accepted, minimum=minimum, effort=effort)
         return replace(led, problem=self.simulation.problem_of("released"), accepted=accepted, only_leads=False)
 
-    def _by_meant_contact(self, led: Refined[Scene], may_slide: bool) -> Minimum:
+    def _by_meant_contact(self, led: Refined[Scene], may_slide: bool, leads_below: float) -> Minimum:
         """Return the minimum by the contact that is meant, beside one by a contact that only leads to it."""
         self._released.problem.apply(led.accepted.load_factor)
-        return self._released.handed_over(led.accepted.minimum, led.problem, may_slide=may_slide)
+        led_to, before = led.accepted.minimum, led.problem
+        return self._released.handed_over(led_to, before, may_slide=may_slide, leads_below=leads_below)
 
     def _prepare(
         self, softer: Minimisers, minimisers: Minimisers, coarse: Refined[Scene], start: Array, own: Problem

@@ -8,6 +8,7 @@ import logging
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
+from math import inf
 from typing import Generic, cast
 
 from ngcell.build.mesh_level import Level
@@ -129,15 +130,15 @@ class Refinement(Generic[Scene]):
             settles, is_fine = is_slipping and last.level == _SETTLED_ON, last.level > _SETTLED_ON
             if is_judged and errors.relative > self._accuracy and not settles:
                 continue
-            finished = self._reported(last, found, refined, may_slide=is_slipping or not is_fine)
+            may_slide, slid = is_slipping or not is_fine, self._slid(found[-1]) if last.only_leads else -inf
+            finished = self._reported(last, found, refined, may_slide=may_slide, leads_below=slid)
             if finished is None and last.only_leads and is_fine and not is_slipping:
                 return self._refined(replace(accepted, effort=last.accepted.effort), is_slipping=True)
             if finished is None:
                 continue
             here = _numbers(finished)
-            if last.only_leads and self._have_slid(found[-1], here):  # no mesh has told anything of what is here
-                found, refined = [here.without_contact], []
-                reported = last = replace(finished, errors=Errors())
+            if here.potential < slid:  # no mesh has told anything of what is here, and it is not at rest
+                found, refined, last = [here.without_contact], [], replace(finished, errors=Errors())
                 continue
             if not is_judged or finished.errors.relative <= self._accuracy:
                 return finished
@@ -163,23 +164,30 @@ class Refinement(Generic[Scene]):
         return finer, numbers
 
     def _reported(
-        self, last: Refined[Scene], found: Sequence[Numbers], refined: Sequence[Refining], *, may_slide: bool = True
+        self,
+        last: Refined[Scene],
+        found: Sequence[Numbers],
+        refined: Sequence[Refining],
+        *,
+        may_slide: bool = True,
+        leads_below: float = -inf,
     ) -> Refined[Scene] | None:
         """Return a step at rest by the contact that is meant, with its errors; None where it finds no equilibrium.
 
-        What the meshes have changed is told by minima that are as much at rest on each.
+        With a potential below `leads_below` it is not at rest. What the meshes have changed is told by minima that are
+        as much at rest on each.
         """
-        finished = self._levels[last.level].finished(last, may_slide=may_slide)
+        finished = self._levels[last.level].finished(last, may_slide=may_slide, leads_below=leads_below)
         if finished is None:
             return None
         return replace(finished, errors=estimate(found, refined, meant=_numbers(finished)))
 
-    def _have_slid(self, led: Numbers, found: Numbers) -> bool:
-        """Return whether walls have slid on where multipliers took over: the potential falls by more than the penalty
-        that led there may cost. Without slides it rises, as overlaps go."""
+    def _slid(self, led: Numbers) -> float:
+        """Return the potential below which walls have slid on where multipliers took over: it falls by more than the
+        penalty that led there may cost. Without slides it rises, as overlaps go."""
         numbers = self._levels[0].simulation.options.solver.continuation
         share = numbers.slid * numbers.sufficient_of_accuracy * self._accuracy
-        return led.potential - found.potential > share * max(abs(led.energy), led.scales[0])
+        return led.potential - share * max(abs(led.energy), led.scales[0])
 
     @cached_property
     def _exponent(self) -> float:

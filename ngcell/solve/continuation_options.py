@@ -95,7 +95,7 @@ class ContinuationOptions:
     only_leads: bool = False
     handover_update: float = 0.01
     handover_idle: float = 0.7
-    slid: float = 10.0
+    slid: float = 5.0
     most_leads: int = 10
     undone: float = 1 / 3
     most_in_vain: int = 2

@@ -22,6 +22,8 @@ from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Minimum
 from ngcell.solve.one_sided import Matrix, OneSidedModel
 from ngcell.solve.options import InnerOptions
+from ngcell.solve.problem import Linearisation
+from ngcell.solve.proximal import ProximalTerm
 
 Array = NDArray[np.float64]
 
@@ -67,18 +69,71 @@ def with_foreseen_multipliers(minimiser: Minimiser, minimum: Minimum, missed: fl
         return place
     state = problem.at(place)
     line = problem.linearise(state)
-    assert line.lowered is not None  # the problem has multipliers
     model, matrix = minimiser.assembly.model(state, line, minimum.proximal)
+    return _taken(minimiser, place, line, (model, matrix), missed, enough, minimiser.options.inner)
+
+
+def with_first_multipliers(minimiser: Minimiser, place: Array, proximal: ProximalTerm, share: float) -> Array:
+    """Let multipliers be those by which walls do not overlap that a penalty has let overlap, and return the place where
+    the first minimisation begins.
+
+    What the multipliers have taken over from the penalty are its forces, and walls are still where it has let them:
+    beginning there, a minimisation finds an equilibrium of pressures that hold only once walls have moved. The model
+    leaves out what is not convex: about its start nothing is in balance. Nothing changes where that is too far away.
+
+    Parameters
+    ----------
+    minimiser : Minimiser
+        Of the problem, whose multipliers have taken over.
+    place : array of float, shape (unknowns,)
+        Where the penalty has led [length].
+    proximal : ProximalTerm
+        The proximal term of the first minimisation.
+    share : float
+        Share of the overlaps by which conditions may be missed within the model.
+    """
+    problem = minimiser.problem
+    if not problem.has_multipliers or minimiser.is_iterative:
+        return place
+    state = problem.at(place)
+    line = problem.linearise(state)
+    model, matrix = minimiser.assembly.model(state, line, proximal)
+    if model.is_bent:
+        model = minimiser.assembly.convex(model, state)
+    lowered = np.nan_to_num(_lowered(line))
+    deepest = float(np.max(-(model.gap + lowered), initial=0.0))
+    options = minimiser.options.foreseeing
+    return _taken(minimiser, place, line, (model, matrix), deepest, share * deepest, options)
+
+
+def _taken(
+    minimiser: Minimiser,
+    place: Array,
+    line: Linearisation,
+    system: tuple[OneSidedModel, Matrix],
+    missed: float,
+    enough: float,
+    options: InnerOptions,
+) -> Array:
+    """Let multipliers be those that a model about a place foresees, and return where it ends; the place if there are
+    none."""
+    (model, matrix), lowered = system, _lowered(line)
     with minimiser.clock.phase("factorisation"):
-        found = foreseen_multipliers(model, line.lowered, matrix, enough, minimiser.options.inner)
+        found = foreseen_multipliers(model, lowered, matrix, enough, options)
     minimiser.effort.iterations += 1
     minimiser.effort.factorisations += found.factorisations
     is_near = float(np.abs(found.step).max(initial=0.0)) <= minimiser.longest_step
     if not (is_near and found.missed < missed):
         return place
-    has_multiplier = ~np.isnan(line.lowered)
-    problem.take_multipliers(line.keys[has_multiplier], found.lowered[has_multiplier])
-    return problem.move(place, found.step)
+    has_multiplier = ~np.isnan(lowered)
+    minimiser.problem.take_multipliers(line.keys[has_multiplier], found.lowered[has_multiplier])
+    return minimiser.problem.move(place, found.step)
+
+
+def _lowered(line: Linearisation) -> Array:
+    """Return by how much multipliers lower gaps [length]; NaN where a constraint has none."""
+    assert line.lowered is not None  # the problem has multipliers
+    return line.lowered
 
 
 def foreseen_multipliers(

@@ -2,27 +2,24 @@
 
 from __future__ import annotations
 
-import logging
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.solve.continuation import Continuation, rested, until_conditions_hold
+from ngcell.solve.continuation import Continuation, until_conditions_hold
 from ngcell.solve.effort import Effort
+from ngcell.solve.handing_over import HandingOver
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.options import SolverOptions
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.problem import Problem
 from ngcell.solve.proximal import ProximalTerm
-from ngcell.solve.recentred import at_rest, recentred
-from ngcell.solve.refined import settled, stable
+from ngcell.solve.refined import stable
 from ngcell.solve.step import Accepted, StepFailed, spent
 
 Array = NDArray[np.float64]
-
-_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,48 +161,14 @@ class Released:
         ends_early = self.path.options.sufficient > 0 and not self.path.options.only_leads
         return ends_early and len(self.minimisers) > 1 and self.problem.has_multipliers
 
-    def handed_over(self, led: Minimum, before: Problem, *, may_slide: bool = True) -> Minimum:
-        """Return the equilibrium by the contact that is meant, beside one of the problem `before`, which leads to it.
-
-        Where walls slide away from there, `before` leads on from where they have come to, if they may. Where it comes
-        back to where it was, they have not slid: what falls is the difference of the methods, as on coarse meshes.
-        """
+    def handed_over(
+        self, led: Minimum, before: Problem, *, may_slide: bool = True, leads_below: float = -np.inf
+    ) -> Minimum:
+        """Return the equilibrium by the contact that is meant, beside one of the problem `before`, which leads to it;
+        see `HandingOver.equilibrium`."""
         leads, last = self.minimisers[-2:]
-        options, led_before = self.path.options, np.inf
-        for _ in range(options.most_leads):
-            sufficient = options.sufficient * leads.problem.magnitude(led.state)
-            is_back = led.state.energy > led_before - sufficient
-            lowest = -np.inf if is_back else led.state.energy - (options.slid * sufficient or np.inf)
-            led_before = led.state.energy
-            minimum = self._taken_over(led, before, lowest)
-            if minimum.is_found and minimum.proximal.weight:
-                minimum = rested(last, minimum, self.path, lowest)
-            if not may_slide or minimum.ending not in (Ending.SLID, Ending.NO_DESCENT):
-                break
-            _log.info(minimum.ending.value)
-            start, length = minimum.state.displacement, self.longest_step
-            led = settled(
-                (leads,), start, length=length, options=self.options, path=self.path, share=options.of_leading
-            )
-            if not led.is_found:
-                return led
-        return minimum
-
-    def _taken_over(self, led: Minimum, before: Problem, lowest: float) -> Minimum:
-        """Return what the contact that is meant makes of a minimum of the problem `before`."""
-        last = self.minimisers[-1]
-        last.adopt_matrix(self.minimisers[-2])
-        last.forget_matrix()
-        last.problem.start_from(before, led.state)
-        start = led.state.displacement
-        if not led.proximal.weight:
-            return settled((last,), start, length=self.longest_step, options=self.options)
-        handing, scale = self.path.options.handing_over, self.path.scale
-        minimum = recentred(last, start, scale * handing.recentred, handing, lowest)
-        if minimum.is_found:
-            share = handing.before_multipliers
-            minimum = at_rest(last, minimum, scale, handing.resting, handing, share, lowest)
-        return minimum
+        handing = HandingOver(leads, last, self.path, self.options)
+        return handing.equilibrium(led, before, may_slide=may_slide, leads_below=leads_below)
 
     def _alone(self, start: Array, proximal: ProximalTerm) -> Minimum | None:
         """Return the minimum of a body that is alone; None if there are more, or if none was found."""

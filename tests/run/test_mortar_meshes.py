@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 from math import inf
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,14 +14,18 @@ import ngcell
 from ngcell.build.mesh_level import Level
 from ngcell.build.meshed import Refined
 from ngcell.build.options import Options
+from ngcell.build.refinement import Refinement
 from ngcell.build.reported import Step
 from ngcell.build.simulation import Simulation
 from ngcell.contact.methods.mortar import MortarContact
 from ngcell.contact.methods.penalty import PenaltyContact
 from ngcell.contact.methods.terms import ContactTerm
 from ngcell.problem.problem import Problem
+from ngcell.results.error import Numbers
+from ngcell.solve import handing_over
+from ngcell.solve.handing_over import HandingOver
+from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Ending, Minimum
-from ngcell.solve.released import Released
 
 
 def simulation(*sets: str) -> Simulation:
@@ -69,11 +74,11 @@ def test_where_walls_slip_on_a_fine_mesh_multipliers_take_over_on_a_coarser_one(
     tried: list[tuple[int, bool]] = []
     usual, finished = solved().record, Level.finished
 
-    def slipping(level: Level, led: Refined, *, may_slide: bool = True) -> Refined | None:
+    def slipping(level: Level, led: Refined, *, may_slide: bool = True, **how: float) -> Refined | None:
         if led.accepted.phase == "tied":
             return finished(level, led)
         tried.append((led.level, may_slide))
-        return finished(level, led, may_slide=may_slide) if may_slide else None
+        return finished(level, led, may_slide=may_slide, **how) if may_slide else None
 
     monkeypatch.setattr(Level, "finished", slipping)
     *_, step = simulation().accepted_steps()
@@ -88,19 +93,59 @@ def test_where_walls_slip_on_a_fine_mesh_multipliers_take_over_on_a_coarser_one(
 def test_the_penalty_leads_again_where_walls_slide_away(monkeypatch):
     """On the coarser mesh; it comes to the same rest if it has not gone anywhere."""
     calls: list[float] = []
-    usual, taken_over = solved("accuracy=0.1").record, Released._taken_over
+    usual, taken_over = solved("accuracy=0.1").record, HandingOver._taken_over
 
-    def sliding_twice(released: Released, led: Minimum, before: Problem, lowest: float) -> Minimum:
+    def sliding_twice(handing: HandingOver, led: Minimum, before: Problem, lowest: float) -> Minimum:
         assert lowest < led.state.energy
         calls.append(lowest)
-        minimum = taken_over(released, led, before, lowest)
+        minimum = taken_over(handing, led, before, lowest)
         return minimum if len(calls) > 2 else replace(minimum, ending=Ending.SLID)
 
-    monkeypatch.setattr(Released, "_taken_over", sliding_twice)
+    monkeypatch.setattr(HandingOver, "_taken_over", sliding_twice)
     *_, step = simulation("accuracy=0.1").accepted_steps()
     assert len(calls) == 4  # on the mesh that is reported, twice on the coarser one, and on the first again
     assert step.record.certified
     assert step.record.energy == pytest.approx(usual.energy, rel=1e-4)
+
+
+def test_where_walls_have_slid_last_digits_are_found_on_the_next_mesh_only(monkeypatch):
+    usual, slid, rested_on = solved("accuracy=0.1"), Refinement._slid, list[int]()
+    rested, asked = HandingOver._rested, list[float]()
+
+    def once(refinement: Refinement, led: Numbers) -> float:
+        asked.append(slid(refinement, led))
+        return inf if len(asked) == 1 else asked[-1]
+
+    def counted(of: HandingOver, minimum: Minimum, lowest: float) -> Minimum:
+        rested_on.append(len(minimum.state.displacement))
+        return rested(of, minimum, lowest)
+
+    monkeypatch.setattr(Refinement, "_slid", once)
+    monkeypatch.setattr(HandingOver, "_rested", counted)
+    *_, step = simulation("accuracy=0.1").accepted_steps()
+    assert step.record.certified
+    assert len(rested_on) == 1 and len(step.meshes) == len(usual.meshes) + 1
+    assert step.record.energy == pytest.approx(usual.record.energy, rel=0.02)  # one mesh finer
+
+
+def test_multipliers_take_over_where_walls_no_longer_overlap(monkeypatch):
+    """The second-order model undoes most of the overlaps that the penalty has left, before anything is minimised."""
+    left: list[float] = []
+    take = handing_over.with_first_multipliers
+
+    def overlap(minimiser: Minimiser, place: np.ndarray) -> float:
+        line = minimiser.problem.linearise(minimiser.problem.at(place))
+        return float(np.nanmax(-(line.gap + line.lowered)))
+
+    def seen(minimiser: Minimiser, place: np.ndarray, *how: Any) -> np.ndarray:
+        before, moved = overlap(minimiser, place), take(minimiser, place, *how)
+        left.append(overlap(minimiser, moved) / before)
+        return moved
+
+    monkeypatch.setattr(handing_over, "with_first_multipliers", seen)
+    *_, step = simulation("accuracy=0.1").accepted_steps()
+    assert step.record.certified
+    assert len(left) == 1 and left[0] < 0.1
 
 
 def test_stiff_fillings_store_more_without_overlaps_and_have_not_slid():
