@@ -29,6 +29,9 @@ _USUAL = 2
 #: which penalty terms that leave too much overlap are made stiffer: what slides there takes a tenth of the time that it
 #: takes on the finest one, and later meshes do not tell of an error what stiffness has changed.
 _SETTLED_ON = 1
+#: Share of the error on the mesh before above which it falls slowly: walls have come to other places, and by
+#: multipliers they would do so on the finest mesh.
+_SLOW = 0.5
 #: Share of what a mean gap may err by that penalty terms may leave as overlaps.
 _OF_CONTACT = 0.25
 
@@ -107,14 +110,15 @@ class Refinement(Generic[Scene]):
         """Return a step on the mesh that it is reported on.
 
         Contact pressures that are unknowns are solved for where a step is reported; a penalty leads there. Where they
-        find no equilibrium near its own, walls are slipping: the pressures then come in on a coarser mesh.
+        find no equilibrium near its own, or the error hardly falls from mesh to mesh, walls are slipping: the pressures
+        then come in on a coarser mesh.
         """
         is_released, base = accepted.phase != "tied", self._levels[0].simulation
         is_judged = self.estimates and is_released
         reported = last = Refined(0, base, base.problem_of(accepted.phase), accepted, Errors(), is_judged)
         if not self.estimates:
             return last
-        found, refined = [_numbers(last)], list[Refining]()
+        found, refined, errors = [_numbers(last)], list[Refining](), Errors()
         while (finer := self._next(last)) is not None:
             finer, here = self._by_firm_contact(finer)
             found.append(here)
@@ -123,22 +127,30 @@ class Refinement(Generic[Scene]):
                 errors = estimate(found, refined, of_last=False)
                 accepted = replace(reported.accepted, effort=finer.accepted.effort)
                 return replace(reported, accepted=accepted, errors=errors)
-            last = finer
+            last, before = finer, errors.relative
             errors = estimate(found, refined, meant=found[-1].without_contact if last.only_leads else found[-1])
             _log.info("mesh %d: energy %.6e, estimated error %.1e", last.level, found[-1].energy, errors.relative)
             self.on_the_way = (last.level, found[-1], errors)
-            settles, is_fine = is_slipping and last.level == _SETTLED_ON, last.level > _SETTLED_ON
-            if is_judged and errors.relative > self._accuracy and not settles:
+            is_fine, is_enough = last.level > _SETTLED_ON, not (is_judged and errors.relative > self._accuracy)
+            may_slip = last.only_leads and is_fine and not is_slipping
+            is_slow = last.level == _SETTLED_ON + 1 and errors.relative > _SLOW * before
+            if may_slip and not is_enough and is_slow:
+                return self._refined(replace(accepted, effort=last.accepted.effort), is_slipping=True)
+            if not is_enough and not (is_slipping and last.level == _SETTLED_ON):
                 continue
-            may_slide, slid = is_slipping or not is_fine, self._slid(found[-1]) if last.only_leads else -inf
-            finished = self._reported(last, found, refined, may_slide=may_slide, leads_below=slid)
-            if finished is None and last.only_leads and is_fine and not is_slipping:
+            slid = self._slid(found[-1]) if last.only_leads else -inf
+            leads_below = slid if is_enough else inf
+            finished = self._reported(last, found, refined, may_slide=not may_slip, leads_below=leads_below)
+            if finished is None and may_slip:
                 return self._refined(replace(accepted, effort=last.accepted.effort), is_slipping=True)
             if finished is None:
                 continue
             here = _numbers(finished)
             if here.potential < slid:  # no mesh has told anything of what is here, and it is not at rest
                 found, refined, last = [here.without_contact], [], replace(finished, errors=Errors())
+                continue
+            if not is_enough:
+                last = replace(last, accepted=replace(last.accepted, effort=finished.accepted.effort))
                 continue
             if not is_judged or finished.errors.relative <= self._accuracy:
                 return finished

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import ngcell
+from ngcell.build import refinement
 from ngcell.build.mesh_level import Level
 from ngcell.build.meshed import Refined
 from ngcell.build.options import Options
@@ -88,6 +89,24 @@ def test_where_walls_slip_on_a_fine_mesh_multipliers_take_over_on_a_coarser_one(
     assert step.record.certified
     assert step.record.energy == pytest.approx(usual.energy, rel=1e-9)  # nothing slips in fact
     assert step.record.iterations > usual.iterations
+
+
+def test_where_the_error_hardly_falls_multipliers_take_over_on_a_coarser_mesh(monkeypatch):
+    """Before a third mesh is made; last digits are not looked for there."""
+    tried: list[tuple[int, bool]] = []
+    usual, finished = solved().record, Level.finished
+
+    def noted(level: Level, led: Refined, *, leads_below: float = -inf, **how: bool) -> Refined | None:
+        if led.accepted.phase == "released":
+            tried.append((led.level, leads_below == inf))
+        return finished(level, led, leads_below=leads_below, **how)
+
+    monkeypatch.setattr(refinement, "_SLOW", 0.0)
+    monkeypatch.setattr(Level, "finished", noted)
+    *_, step = simulation().accepted_steps()
+    assert tried == [(1, True), (len(step.meshes) - 1, False)] and len(step.meshes) > 2
+    assert step.record.certified
+    assert step.record.energy == pytest.approx(usual.energy, rel=1e-6)  # nothing slips in fact
 
 
 def test_the_penalty_leads_again_where_walls_slide_away(monkeypatch):
