@@ -138,7 +138,7 @@ class Refinement(Generic[Scene]):
                 return self._refined(replace(accepted, effort=last.accepted.effort), is_slipping=True)
             if not is_enough and not (is_slipping and last.level == _SETTLED_ON):
                 continue
-            slid = self._slid(found[-1]) if last.only_leads else -inf
+            slid = self._slid(found[-1], 1.0 if is_enough else 0.5) if last.only_leads else -inf
             leads_below = slid if is_enough else inf
             finished = self._reported(last, found, refined, may_slide=not may_slip, leads_below=leads_below)
             if finished is None and may_slip:
@@ -194,11 +194,11 @@ class Refinement(Generic[Scene]):
             return None
         return replace(finished, errors=estimate(found, refined, meant=_numbers(finished)))
 
-    def _slid(self, led: Numbers) -> float:
-        """Return the potential below which walls have slid on where multipliers took over: it falls by more than the
-        penalty that led there may cost. Without slides it rises, as overlaps go."""
+    def _slid(self, led: Numbers, times: float) -> float:
+        """Return the potential below which walls have slid on where multipliers took over: it falls by more than twice
+        these times what the penalty that led there may cost. Without slides it rises, as overlaps go."""
         numbers = self._levels[0].simulation.options.solver.continuation
-        share = numbers.slid * numbers.sufficient_of_accuracy * self._accuracy
+        share = times * numbers.slid * numbers.sufficient_of_accuracy * self._accuracy
         return led.potential - share * max(abs(led.energy), led.scales[0])
 
     @cached_property

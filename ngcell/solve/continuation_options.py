@@ -40,7 +40,8 @@ class ContinuationOptions:
         `update` and `idle_at_last` where multipliers take over from a penalty, under the weight under which last digits
         are found: without its overlaps walls slide on, far for little energy.
     slid, most_leads : float, int
-        Falls that suffice from which on they have slid away, and the penalty, which may cost half of it, leads again.
+        Falls that suffice from which on they have slid away, and the penalty, which may cost half of it, leads again;
+        half as many where a coarser mesh leads instead.
     undone, most_in_vain : float, int
         Share of an overlap that penalty terms which were made ten times stiffer may leave, half-way, in logarithms,
         from the tenth where walls press to all of it; and how often in a row they may leave more until walls are
@@ -95,7 +96,7 @@ class ContinuationOptions:
     only_leads: bool = False
     handover_update: float = 0.01
     handover_idle: float = 0.7
-    slid: float = 5.0
+    slid: float = 10.0
     most_leads: int = 10
     undone: float = 1 / 3
     most_in_vain: int = 2

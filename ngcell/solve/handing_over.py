@@ -49,15 +49,17 @@ class HandingOver:
     ) -> Minimum:
         """Return the equilibrium by the contact that is meant, beside one of the problem `before`, which leads to it.
 
-        Where walls slide away from there, `before` leads on from where they have come to, if they may. Where it comes
-        back to where it was, they have not slid: what falls is the difference of the methods, as on coarse meshes.
+        Where walls slide away from there, `before` leads on from where they have come to, if they may, and else a
+        coarser mesh. Where it comes back to where it was, they have not slid: what falls is the difference of the
+        methods, as on coarse meshes.
         Where the energy falls below `leads_below`, it only leads to a finer mesh, and last digits are not looked for.
         """
         leads, options, led_before = self.leads, self.path.options, np.inf
+        slid = options.slid * (1.0 if may_slide else 0.5)
         for _ in range(options.most_leads):
             sufficient = options.sufficient * leads.problem.magnitude(led.state)
             is_back = led.state.energy > led_before - sufficient
-            lowest = -np.inf if is_back else led.state.energy - (options.slid * sufficient or np.inf)
+            lowest = -np.inf if is_back else led.state.energy - (slid * sufficient or np.inf)
             led_before = led.state.energy
             minimum = self._taken_over(led, before, lowest)
             if minimum.is_found and minimum.state.energy < leads_below:

@@ -131,8 +131,8 @@ def test_where_walls_have_slid_last_digits_are_found_on_the_next_mesh_only(monke
     usual, slid, rested_on = solved("accuracy=0.1"), Refinement._slid, list[int]()
     rested, asked = HandingOver._rested, list[float]()
 
-    def once(refinement: Refinement, led: Numbers) -> float:
-        asked.append(slid(refinement, led))
+    def once(refinement: Refinement, led: Numbers, times: float) -> float:
+        asked.append(slid(refinement, led, times))
         return inf if len(asked) == 1 else asked[-1]
 
     def counted(of: HandingOver, minimum: Minimum, lowest: float) -> Minimum:
