@@ -36,9 +36,9 @@ class ContinuationOptions:
         asked for, nine tenths of what the certificate allows.
     only_leads : bool
         Whether the end of the path only leads to equilibria on finer meshes.
-    handover_update, handover_idle : float, float
-        `update` and `idle_at_last` where multipliers take over from a penalty, under the weight under which last digits
-        are found: without its overlaps walls slide on, far for little energy.
+    handover, handover_update, handover_idle : float, float, float
+        Weight under which multipliers take over from a penalty, in units of that under which last digits are found, and
+        `update` and `idle_at_last` there: without its overlaps walls slide on, far for little energy.
     slid, most_leads : float, int
         Falls that suffice from which on they have slid away, and the penalty, which may cost half of it, leads again;
         half as many where a coarser mesh leads instead.
@@ -94,6 +94,7 @@ class ContinuationOptions:
     allowed: float = 0.0
     allowed_of_accuracy: float = 0.09
     only_leads: bool = False
+    handover: float = 3.0
     handover_update: float = 0.01
     handover_idle: float = 0.7
     slid: float = 10.0
@@ -129,7 +130,7 @@ class ContinuationOptions:
     def handing_over(self) -> ContinuationOptions:
         """The numbers with which multipliers take over from a penalty: walls are held so that they stay at its
         equilibrium, or slide on in small steps."""
-        weights = replace(self, recentred=self.resting, last=self.recentred)
+        weights = replace(self, recentred=self.handover * self.resting, last=self.recentred)
         return replace(weights, update=self.handover_update, idle_at_last=self.handover_idle)
 
     @property

@@ -81,6 +81,7 @@ WITHIN_ACCURACY: dict[str, tuple[float, ...]] = {
     "solver.continuation.allowed_of_accuracy": (0.03, 0.09),
     "solver.continuation.idle": (0.8, 0.95),
     "solver.continuation.hardly_strained": (1e-6, 1e-4),
+    "solver.continuation.handover": (1.0, 10.0),
     "solver.continuation.handover_update": (0.003, 0.1),
     "contact.stored_before": (0.03, 0.3),
 }
