@@ -86,7 +86,7 @@ class HandingOver:
         last.problem.start_from(before, led.state)
         start = led.state.displacement
         if not led.proximal.weight:
-            return settled((last,), start, length=self.last.longest_step, options=self.options)
+            return settled((last,), start, length=last.longest_step, options=self.options)
         handing = self.path.options.handing_over
         weight = self.path.scale * handing.recentred
         start = with_first_multipliers(last, start, ProximalTerm(weight, start), handing.foreseen)
