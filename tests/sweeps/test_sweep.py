@@ -10,6 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from math import inf
 
+import distributed
 import numpy as np
 import pandas
 import pytest
@@ -277,6 +278,8 @@ def test_the_folder_of_a_run_is_left_as_it_is(study, tmp_path, scheduler):
 
 
 def test_no_scheduler_and_no_library_are_one_line(study, tmp_path, monkeypatch):
+    client = distributed.Client
+    monkeypatch.setattr(distributed, "Client", lambda address, **how: client(address, **{**how, "timeout": "0.5s"}))
     with pytest.raises(OutputError, match="no Dask scheduler answers at tcp://127.0.0.1:1"):
         run(study, tmp_path / "out", "tcp://127.0.0.1:1")
 
