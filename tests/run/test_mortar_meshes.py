@@ -30,7 +30,7 @@ from ngcell.solve.minimum import Ending, Minimum
 
 
 def simulation(*sets: str) -> Simulation:
-    usual = ["load.displacement=[0.4, 0.0]", "load.levels=1", "contact.kind=mortar"]
+    usual = ["tissue.rows=2", "tissue.cols=2", "load.displacement=[0.4, 0.0]", "load.levels=1", "contact.kind=mortar"]
     return Simulation(ngcell.read_case("shear-empty-3x3", [*usual, *sets]))
 
 
