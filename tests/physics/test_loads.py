@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from math import inf, pi
 
 import numpy as np
@@ -40,10 +41,15 @@ def last(scene: BodyScene) -> Equilibrium:
     return final
 
 
+@cache
+def inflated(kappa: float, *, whole: bool) -> Equilibrium:
+    return last(tube(kappa, whole=whole))
+
+
 @pytest.mark.parametrize("whole", [True, False], ids=["whole", "quarter"])
 @pytest.mark.parametrize(("kappa", "listed"), [(1000.0, 1.500560), (100.0, 1.505637)])
 def test_a_pressure_inflates_the_thick_cylinder(whole, kappa, listed):
-    final = last(tube(kappa, whole=whole))
+    final = inflated(kappa, whole=whole)
     exact = inflated_radius(RadialSolid(0.5, 0.5, kappa), INNER, OUTER, PRESSURE)
     assert exact == pytest.approx(listed, abs=2e-6)
     bore, rim = ("tube_hole0", "tube_outline") if whole else ("bore", "rim")
@@ -54,7 +60,7 @@ def test_a_pressure_inflates_the_thick_cylinder(whole, kappa, listed):
 
 def test_the_supports_of_the_quarter_bear_the_pressure():
     """Also at the ends of the loaded line, which slide along them."""
-    final = last(tube(100.0, whole=False))
+    final = inflated(100.0, whole=False)
     exact = inflated_radius(RadialSolid(0.5, 0.5, 100.0), INNER, OUTER, PRESSURE)
     np.testing.assert_allclose(final.force("along-y"), (-PRESSURE * exact, 0), atol=1e-4)
     np.testing.assert_allclose(final.force("along-x"), (0, -PRESSURE * exact), atol=1e-4)
@@ -89,7 +95,7 @@ def test_a_pressure_closes_the_gap_of_two_rings(pressure):
         loads=[Pressure(boundary="inner_hole0", value=pressure)],
         size=0.25,
         order=3,
-        levels=3,
+        levels=1,
         accuracy=inf,
     )
     final = last(scene)
