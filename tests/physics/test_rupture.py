@@ -117,7 +117,7 @@ def predicted(*sets: str, strength: float = 0.03) -> RuptureLoad:
 
 
 def test_a_finer_mesh_moves_the_load_by_less_than_its_error():
-    usual, fine = predicted("accuracy=0.1"), predicted("accuracy=0.003")
+    usual, fine = predicted("accuracy=0.1"), predicted("accuracy=0.01")
     assert 0 < fine.error < usual.error < 0.1 * usual.load_factor
     assert abs(usual.load_factor - fine.load_factor) < usual.error
     assert fine.cell == usual.cell
