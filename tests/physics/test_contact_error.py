@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+from functools import cache
 from itertools import product
+from typing import Any
 
 import pytest
 
-from tools.references.contact_error import LIMIT, RINGS, found
+from tools.references import contact_error
+from tools.references.contact_error import LIMIT, RINGS
+
+
+@cache
+def found(name: str, contact: str, order: int | None) -> dict[str, Any]:
+    return contact_error.found(RINGS[name], contact, order)
 
 
 @pytest.mark.parametrize(("name", "contact", "order"), list(product(RINGS, LIMIT, (None, 3))))
 def test_contact_costs_a_quarter_of_the_accuracy_at_most(name, contact, order):
-    errors = found(RINGS[name], contact, order)
+    errors = found(name, contact, order)
     assert errors["certified"]
     told = [errors[what] for what in ("radii", "gap", "pressure") if errors[what] != ""]
     assert len(told) == 2 and max(told) <= LIMIT[contact]
@@ -19,5 +27,5 @@ def test_contact_costs_a_quarter_of_the_accuracy_at_most(name, contact, order):
 
 @pytest.mark.parametrize("name", [name for name, rings in RINGS.items() if rings.pulled is None])
 def test_the_cost_of_a_penalty_is_part_of_the_error_that_is_told(name):
-    errors = found(RINGS[name], "penalty")
+    errors = found(name, "penalty", None)
     assert errors["pressure"] <= errors["estimated"] <= 0.01
