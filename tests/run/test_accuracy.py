@@ -81,10 +81,7 @@ def test_the_weight_with_which_it_does_changes_nothing_that_was_asked_for(weight
     assert other.record.mean_gap == pytest.approx(usual.record.mean_gap, rel=5e-3)
 
 
-@pytest.mark.parametrize(("weight", "centres"), [(1.0, 4), (0.1, 2)])
-def test_what_the_energy_may_still_fall_counts_in_its_error(
-    weight: float, centres: int, monkeypatch: pytest.MonkeyPatch
-):
+def test_what_the_energy_may_still_fall_counts_in_its_error(monkeypatch: pytest.MonkeyPatch):
     """Too few centres for a large weight: bodies have not come to rest."""
     falls = list[float]()
 
@@ -92,7 +89,7 @@ def test_what_the_energy_may_still_fall_counts_in_its_error(
         falls.append(given[-1])
         return numbers_of(*given[:-1], 0.0)
 
-    continuation = ContinuationOptions(recentred=weight, most_recentred=centres)
+    continuation = ContinuationOptions(recentred=0.1, most_recentred=2)
     case = ngcell.read_case("shear-empty-3x3", SMALL)
     *_, rushed = ngcell.simulate(case, options=Options(solver=SolverOptions(continuation=continuation)))
     *_, usual = steps()
