@@ -116,9 +116,8 @@ class Exact:
             force = [-(stress[2 * i].Diff(ngsolve.x) + stress[2 * i + 1].Diff(ngsolve.y)) for i in range(2)]
             loads.append(BodyForce(body=body, vector=_always(*(part.Compile() for part in force))))
             borne = (-pressure * gradient[1, 0], pressure * gradient[0, 0])  # p cof(F) applied to (0, 1)
-            loads.append(
-                Traction(boundary=wall, vector=_always(*((normal * (stress[2 * i + 1] + borne[i])).Compile() for i in range(2))))
-            )
+            traction = [normal * (stress[2 * i + 1] + borne[i]) for i in range(2)]
+            loads.append(Traction(boundary=wall, vector=_always(*(part.Compile() for part in traction))))
         return loads
 
 

@@ -16,6 +16,7 @@ steps: exact to round-off. Nothing is shared with the package.
 
 from __future__ import annotations
 
+from cmath import log
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import islice, pairwise
@@ -31,6 +32,11 @@ from tools.commands import described
 _STEP = 1e-30
 
 
+def _log(value: Any) -> Any:
+    """Natural logarithm; that of a number of Python stays one, as numbers of numpy take several times as long."""
+    return log(value) if type(value) is complex else np.log(value)
+
+
 @dataclass(frozen=True)
 class RadialSolid:
     """W = c1/2 (I1* - 3) + c2/2 (I2* - 3) + kappa/2 (ln J)^2, in a ring (around = 1) or a shell (around = 2)."""
@@ -42,26 +48,26 @@ class RadialSolid:
 
     def slopes(self, radial: Any, tangential: Any) -> list[Any]:
         """dW/dl_r and dW/dl_t."""
-        squares = [radial**2, tangential**2, tangential**2 if self.around == 2 else 1.0]
+        squares = [radial * radial, tangential * tangential, tangential * tangential if self.around == 2 else 1.0]
         jacobian = radial * tangential**self.around
-        first = sum(squares)
+        first = squares[0] + squares[1] + squares[2]
         second = squares[0] * squares[1] + squares[1] * squares[2] + squares[2] * squares[0]
-        scale = jacobian ** (-2 / 3)
+        scale, logarithm = jacobian ** (-2 / 3), _log(jacobian)
         return [
             (
                 self.c1 * scale * (square - first / 3)
                 + self.c2 * scale**2 * (square * (first - square) - 2 * second / 3)
-                + self.kappa * np.log(jacobian)
+                + self.kappa * logarithm
             )
             / stretch
             for square, stretch in zip(squares[:2], (radial, tangential), strict=True)
         ]
 
-    def radial_slope(self, radial: Any, tangential: Any) -> tuple[Any, Any]:
-        """d2W/dl_r2 and d2W/dl_r dl_t."""
-        by_radial = self.slopes(radial + 1j * _STEP, tangential)[0].imag / _STEP
+    def derivatives(self, radial: Any, tangential: Any) -> tuple[Any, Any, Any, Any]:
+        """dW/dl_r, dW/dl_t, d2W/dl_r2 and d2W/dl_r dl_t."""
+        along, around = self.slopes(radial + 1j * _STEP, tangential)
         by_tangential = self.slopes(radial, tangential + 1j * _STEP)[0].imag / _STEP
-        return by_radial, by_tangential
+        return along.real, around.real, along.imag / _STEP, by_tangential
 
 
 @dataclass(frozen=True)
@@ -215,28 +221,27 @@ def profile(
 
     isochoric = (start / radius) ** solid.around
     stretch = brentq(excess, 0.5 * isochoric, 2.0 * isochoric, xtol=1e-15)
-    path = _path(solid, start, end, radius, stretch)
+    path = _path(solid, start, end, radius, stretch, dense=True)
     return lambda place: (path.sol(place)[0], path.sol(place)[1])
 
 
 def _march(solid: RadialSolid, start: float, end: float, radius: float, stretch: float) -> tuple[float, float]:
     """r and r' at `end`, from those at `start`."""
-    position, slope = _path(solid, start, end, radius, stretch).y[:, -1]
+    position, slope = _path(solid, start, end, radius, stretch, dense=False).y[:, -1]
     return float(position), float(slope)
 
 
-def _path(solid: RadialSolid, start: float, end: float, radius: float, stretch: float) -> Any:
-    """r and r' from `start` to `end`, as scipy returns them."""
+def _path(solid: RadialSolid, start: float, end: float, radius: float, stretch: float, *, dense: bool) -> Any:
+    """r and r' from `start` to `end`, or at `end` alone unless `dense`, as scipy returns them."""
 
     def rate(place: float, state: Any) -> list[Any]:
-        position, radial = state
+        position, radial = state.tolist()  # numbers of Python, which are faster one by one
         tangential = position / place
-        by_radial, by_tangential = solid.radial_slope(radial, tangential)
-        along, around = solid.slopes(radial, tangential)
+        along, around, by_radial, by_tangential = solid.derivatives(radial, tangential)
         change = by_tangential * (radial - tangential) / place + solid.around * (along - around) / place
         return [radial, -change / by_radial]
 
-    return solve_ivp(rate, (start, end), (radius, stretch), method="DOP853", rtol=1e-12, atol=1e-13, dense_output=True)
+    return solve_ivp(rate, (start, end), (radius, stretch), method="DOP853", rtol=1e-12, atol=1e-13, dense_output=dense)
 
 
 def _pressure(solid: RadialSolid, rest: float, radius: float, stretch: float) -> float:
