@@ -159,7 +159,7 @@ def _stiffness(built: Discretisation, frame: Frame) -> Array:
     free = sparse.block_diag([free, free], format="csc")
     strains = np.array([((1, 0), (0, 0)), ((0, 0), (0, 1)), ((0, 0.5), (0.5, 0))])
     affine = np.array([space.affine(strain, np.zeros(2)).ravel() for strain in strains]).T
-    inner = splu((free.T @ matrix @ free).tocsc())
+    inner = splu((free.T @ matrix @ free).tocsc(), "MMD_AT_PLUS_A", 0.0, options={"SymmetricMode": True})
     moved = affine - free @ inner.solve(free.T @ (matrix @ affine))
     return np.asarray(moved.T @ (matrix @ moved) / frame.area)
 
