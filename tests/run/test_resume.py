@@ -30,8 +30,8 @@ from ngcell.run import resume
 TISSUE = ["tissue.rows=2", "tissue.cols=2", "mesh.order=2", "load.displacement=[0.3, 0.0]", "accuracy=inf"]
 TISSUE += ["load.levels=[0.4, 1.0]"]
 PRISMS = ["tissue.rows=1", "tissue.cols=2", "tissue.height=0.4", "mesh.order=2", "load.displacement=[0.2, 0.0]"]
-BONDED = [*TISSUE, "cohesion.strength=0.01", "cohesion.energy=0.0001", 'strategy.kind="load-stepping"']
-REFINED = ["tissue.rows=2", "tissue.cols=2", "accuracy=0.05", "load.displacement=[0.3, 0.0]", "load.levels=[0.4, 1.0]"]
+BONDED = [*TISSUE, "mesh.order=1", "cohesion.strength=0.01", "cohesion.energy=0.0001", 'strategy.kind="load-stepping"']
+REFINED = ["tissue.rows=1", "tissue.cols=2", "accuracy=0.05", "load.displacement=[0.3, 0.0]", "load.levels=[0.4, 1.0]"]
 SQUEEZED = ["tissue.rows=1", "tissue.cols=1", "accuracy=inf", 'load={kind="frame", shear=3.0, levels=[1.0]}']
 #: Cases, their settings and their number of accepted steps.
 RUNS = {
@@ -306,7 +306,7 @@ def test_a_run_out_of_time_tells_what_the_last_mesh_found(tmp_path, monkeypatch)
         return refined(self, coarse)
 
     monkeypatch.setattr(Refinement, "_next", once)
-    case = ngcell.read_case("shear-empty-3x3", ["load.levels=1", "accuracy=0.003"])
+    case = ngcell.read_case("shear-empty-3x3", [*REFINED, "load.levels=1", "accuracy=0.003"])
     told = r"; on mesh 1, not accepted: energy 0\.00\d+ ± \d+ %, mean gap"
     with pytest.raises(ngcell.NotConverged, match=told) as ended:
         list(ngcell.record(case, out))
