@@ -19,7 +19,7 @@ import ngcell
 from ngcell.errors import OutputError
 
 PAGE = Path(__file__).parents[2] / "docs" / "output.md"
-SMALL = ["tissue.rows=2", "tissue.cols=3", "load.displacement=[0.3, 0.0]", "load.levels=2"]
+SMALL = ["tissue.rows=2", "tissue.cols=3", "load.displacement=[0.3, 0.0]", "load.levels=2", "accuracy=0.1"]
 
 
 def arguments(*more: str, out: Path) -> list[str]:
