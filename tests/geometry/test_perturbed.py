@@ -45,13 +45,12 @@ def test_without_spread_a_sheared_tissue_stores_the_energy_of_the_honeycomb():
     regular = sheared({})
     assert regular > 1e-5
     assert sheared({"kind": "perturbed", "spread": 0.0, "seed": 4}) == pytest.approx(regular, rel=1e-12)
-    assert sheared({"kind": "perturbed", "spread": 1e-3, "seed": 4}) == pytest.approx(regular, rel=0.02)
-    assert abs(sheared({"kind": "perturbed", "spread": 1e-3, "seed": 4}) / regular - 1) > 1e-6
+    assert 1e-6 < abs(sheared({"kind": "perturbed", "spread": 1e-3, "seed": 4}) / regular - 1) < 0.02
 
 
 @pytest.mark.parametrize("part", PARTS)
 def test_neighbours_share_their_walls_node_by_node(part):
-    choice = MeshChoice(grading=2)
+    choice = MeshChoice(grading=1)
     tissues = [Tissue(**SIZE, **part), Perturbed(**SIZE, **part, spread=0.2, wall_spread=0.3, seed=1)]
     spaces = [DisplacementSpace(tissue.mesh("frame", choice), 2) for tissue in tissues]
     walls = [find_surface(space.bodies, space.scalar, space.rest) for space in spaces]
