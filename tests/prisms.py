@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import inf
 from typing import Any
 
@@ -22,5 +23,6 @@ def case(height: float | None, *, ends: str | None = None, **parts: Any) -> Case
     return Case.model_validate(table | parts)
 
 
+@lru_cache(maxsize=8)  # tests of a file compare the same few scenes
 def last_step(scene: Case) -> Step:
     return list(Simulation(scene).accepted_steps())[-1]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from math import inf
 
 import pytest
@@ -25,6 +26,7 @@ def _block(name: str, left: float, width: float, low: float, height: float) -> B
     return Body(face, _RUBBER, name)
 
 
+@cache
 def _column(others: int, strategy: Strategy | None = None) -> StepRecord:
     far = [_block(f"far{n}", 5 + 3 * n, 1.0, 0.0, 1.0) for n in range(others)]
     supports = [BodySupport("col_low"), BodySupport("col_top", translation=(0.0, -0.1))]
