@@ -134,7 +134,7 @@ def _below(
             if np.isfinite(fallen):
                 curvature = min(curvature, -2 * (fallen if fallen > least else min(fallen, 0.0)) / (share**2 * moved))
             if fallen > least:
-                trial = minimiser.minimise(start, proximal)
+                trial = minimiser.minimise(start, proximal, least)
                 if trial.is_found:
                     left = trial.state.energy + minimiser.proximal_energy(trial.state.displacement, proximal)
                     found.append((left, trial))
