@@ -94,14 +94,21 @@ def stable_minimum(
 def lowest_mode(minimiser: Minimiser, minimum: Minimum, options: StabilityOptions, *, scale: float) -> Mode:
     """Return the lowest eigenvalue of the tangent at a minimum, its vector, and what it took.
 
-    `scale` [stress / length**2] is that of curvatures.
+    Beside a weight that is much larger, eigenvalues near zero hardly differ, and rounds would end before the lowest one
+    is found. So weights are only somewhat larger than what has been found. `scale` [stress / length**2] is that of
+    curvatures.
     """
-    for weight in (options.near * scale, options.far * scale):
+    weight, lowest = options.near * scale, None
+    for _ in range(options.most_weights):
         mode = _mode_near(minimiser, minimum, weight, options)
         _log.info("lowest curvature %.1e times the scale, %d rounds", mode.curvature / scale, mode.rounds)
-        if not mode.curvature < -options.negative * scale:
+        if lowest is None or mode.curvature < lowest.curvature:
+            lowest = mode
+        if mode.curvature > -weight:
             break
-    return mode
+        weight = -options.farther * mode.curvature
+    assert lowest is not None
+    return lowest
 
 
 def _mode_near(minimiser: Minimiser, minimum: Minimum, weight: float, options: StabilityOptions) -> Mode:
