@@ -60,7 +60,8 @@ def stable_minimum(
 ) -> Minimum:
     """Return a minimum with its lowest curvature: the one that is given, or one below it if that is a saddle.
 
-    Three-dimensional scenes are not searched: their minima are left as they are, without a curvature.
+    Where systems are solved by iterations it is left as it is, without a curvature: these detect negative curvature on
+    the way, and the minimisation goes along it.
 
     Parameters
     ----------
@@ -78,7 +79,7 @@ def stable_minimum(
         How far from a saddle other minima are looked for [length].
     """
     for _ in range(options.most_saddles):
-        if minimiser.problem.dimension == 3 or not minimum.is_found:
+        if minimiser.is_iterative or not minimum.is_found:
             return minimum
         mode = lowest_mode(minimiser, minimum, options, scale=scale)
         curvature, below = mode.curvature, None

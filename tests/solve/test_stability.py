@@ -74,3 +74,16 @@ def test_the_certificate_tells_a_saddle_from_a_minimum():
     assert check.passed and check.value > 0
     assert not common_check("lowest_curvature", -0.01).passed
     assert LIMITS["lowest_curvature"] == -USUAL.negative
+
+
+def test_a_slender_solid_buckles_as_well():
+    """A square column between plates, at nearly twice the strain of (pi w / L)^2 / 3 at which it buckles."""
+    solid = occ.Box((0, 0, 0), (0.1, 0.1, 1.0))
+    solid.faces.Min(occ.Z).name, solid.faces.Max(occ.Z).name = "low", "high"
+    supports = (BodySupport("low"), BodySupport("high", translation=(0.0, 0.0, -0.06)))
+    body = Body(solid, MooneyRivlin(c1=0.5, c2=0.5, bulk_modulus=10.0), "column")
+    (step,) = Simulation(BodyScene((body,), supports, size=0.1, order=2, levels=1, accuracy=np.inf)).accepted_steps()
+    compressed = 0.5 * 5.6 * 0.01 * 0.06**2  # Young's modulus is 9 K G / (3 K + G), G = 2 (c1 + c2)
+    (check,) = (check for check in step.measurement.certificate.checks if check.name == "lowest_curvature")
+    assert step.record.certified and check.value > 0
+    assert step.record.energy < 0.8 * compressed
