@@ -51,7 +51,7 @@ _MEANING = {
     "energy; released steps of SDDP",
     "lowest_curvature": "lowest eigenvalue of the tangent in the metric of the volume, closed contacts held closed, "
     "over shear modulus by squared size of a body; a negative one is a saddle; must exceed the limit. Not sought with "
-    "load stepping and in three dimensions",
+    "load stepping, and where systems are solved by iterations",
     "energy_balance": "work minus change of stored energy, energy of separation and losses, over what a step moves; "
     "with a history",
 }

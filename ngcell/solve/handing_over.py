@@ -21,6 +21,7 @@ from ngcell.solve.problem import Problem
 from ngcell.solve.proximal import ProximalTerm
 from ngcell.solve.recentred import at_rest, recentred
 from ngcell.solve.refined import settled
+from ngcell.solve.stability import stable_minimum
 
 _log = logging.getLogger(__name__)
 
@@ -65,6 +66,8 @@ class HandingOver:
             if minimum.is_found and minimum.state.energy < leads_below:
                 break
             if minimum.is_found and minimum.proximal.weight:
+                minimum = self._stable(minimum, lowest)
+            if minimum.is_found and minimum.proximal.weight:
                 minimum = self._rested(minimum, lowest)
             if not may_slide or minimum.ending not in (Ending.SLID, Ending.NO_DESCENT):
                 break
@@ -91,6 +94,19 @@ class HandingOver:
         weight = self.path.scale * handing.recentred
         start = with_first_multipliers(last, start, ProximalTerm(weight, start), handing.foreseen)
         return recentred(last, start, weight, handing, lowest)
+
+    def _stable(self, minimum: Minimum, lowest: float) -> Minimum:
+        """Return a state from which the energy hardly falls any more, which is no saddle: one that is left before its
+        last digits are found is left at half the price."""
+        handing = self.path.options.handing_over
+
+        def until_it_hardly_falls(below: Minimum) -> Minimum:
+            place = below.state.displacement
+            return recentred(self.last, place, self.path.scale * handing.recentred, handing, lowest)
+
+        scale, length = self.path.scale, self.last.longest_step
+        options = self.options.stability
+        return stable_minimum(self.last, minimum, until_it_hardly_falls, options, scale=scale, length=length)
 
     def _rested(self, minimum: Minimum, lowest: float) -> Minimum:
         """Return the equilibrium beside a state to which multipliers have taken over, to the last digit."""

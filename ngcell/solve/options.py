@@ -107,10 +107,10 @@ class StabilityOptions:
 
     Attributes
     ----------
-    near, far : float
-        Weights of the mass matrix, in units of the continuation's scale, added to the tangent. With the first one the
-        eigenvalues next to zero stand apart and take few rounds; where one is negative, the second, large beside
-        negative curvatures, finds the lowest.
+    near, farther, most_weights : float, float, int
+        Weight of the mass matrix, in units of the continuation's scale, added to the tangent: the eigenvalues next to
+        zero stand apart with it, and take few rounds. Where one is below minus that, the next weight is so many times
+        as large as it is low, until none is, or so many have been tried.
     rounds, settled : int, float
         Most rounds of Lanczos' method, and the residual of a Ritz pair, as a share of its value, at which it ends.
     negative : float
@@ -126,7 +126,8 @@ class StabilityOptions:
     """
 
     near: float = 0.01
-    far: float = 10.0
+    farther: float = 4.0
+    most_weights: int = 8
     rounds: int = 40
     settled: float = 1e-3
     negative: float = 1e-3

@@ -60,7 +60,8 @@ def stable_minimum(
 ) -> Minimum:
     """Return a minimum with its lowest curvature: the one that is given, or one below it if that is a saddle.
 
-    Three-dimensional scenes are not searched: their minima are left as they are, without a curvature.
+    Where systems are solved by iterations it is left as it is, without a curvature: these detect negative curvature on
+    the way, and the minimisation goes along it.
 
     Parameters
     ----------
@@ -78,7 +79,7 @@ def stable_minimum(
         How far from a saddle other minima are looked for [length].
     """
     for _ in range(options.most_saddles):
-        if minimiser.problem.dimension == 3 or not minimum.is_found:
+        if minimiser.is_iterative or not minimum.is_found:
             return minimum
         mode = lowest_mode(minimiser, minimum, options, scale=scale)
         curvature, below = mode.curvature, None
@@ -94,14 +95,21 @@ def stable_minimum(
 def lowest_mode(minimiser: Minimiser, minimum: Minimum, options: StabilityOptions, *, scale: float) -> Mode:
     """Return the lowest eigenvalue of the tangent at a minimum, its vector, and what it took.
 
-    `scale` [stress / length**2] is that of curvatures.
+    Beside a weight that is much larger, eigenvalues near zero hardly differ, and rounds would end before the lowest one
+    is found. So weights are only somewhat larger than what has been found. `scale` [stress / length**2] is that of
+    curvatures.
     """
-    for weight in (options.near * scale, options.far * scale):
+    weight, lowest = options.near * scale, None
+    for _ in range(options.most_weights):
         mode = _mode_near(minimiser, minimum, weight, options)
         _log.info("lowest curvature %.1e times the scale, %d rounds", mode.curvature / scale, mode.rounds)
-        if not mode.curvature < -options.negative * scale:
+        if lowest is None or mode.curvature < lowest.curvature:
+            lowest = mode
+        if mode.curvature > -weight:
             break
-    return mode
+        weight = -options.farther * mode.curvature
+    assert lowest is not None
+    return lowest
 
 
 def _mode_near(minimiser: Minimiser, minimum: Minimum, weight: float, options: StabilityOptions) -> Mode:
@@ -134,7 +142,7 @@ def _below(
             if np.isfinite(fallen):
                 curvature = min(curvature, -2 * (fallen if fallen > least else min(fallen, 0.0)) / (share**2 * moved))
             if fallen > least:
-                trial = minimiser.minimise(start, proximal)
+                trial = minimiser.minimise(start, proximal, least)
                 if trial.is_found:
                     left = trial.state.energy + minimiser.proximal_energy(trial.state.displacement, proximal)
                     found.append((left, trial))
