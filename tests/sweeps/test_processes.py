@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import distributed
 import numpy as np
 import pandas
 import psutil
@@ -233,6 +234,8 @@ def test_a_sweep_whose_last_worker_is_killed_keeps_what_has_ended(undisturbed, s
         until(lambda: address_file.exists() and "address" in address_file.read_text(encoding="utf-8"))
         address = pandas.read_json(address_file, typ="series")["address"]
         with started(*worker) as only:
+            with distributed.Client(address) as client:
+                client.wait_for_workers(1, timeout=60)  # the sweep would take one that comes late for none
             options = SweepOptions(scheduler=address, wait=0.05, function=the_last_never_ends)
             runs = Sweep(folder / "study.toml", tmp_path / "out", options)
             with pytest.raises(OutputError, match="no worker for 0.05 minutes"):
