@@ -152,7 +152,7 @@ class Level(Generic[Scene]):
         """
         mine, before = self.simulation, coarse.accepted
         follows = before.follows or before.account is not None or not mine.motion.has_lifting
-        if before.phase == "tied" or follows or coarse.level or self.has_multipliers:
+        if before.phase == "tied" or follows or coarse.level:
             return None
         _log.info("mesh %d: nothing was found beside the coarser mesh; the whole path is followed", coarse.level + 1)
         load = before.load_factor

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import ngcell
-from ngcell.build import refinement
+from ngcell.build import mesh_level, refinement
 from ngcell.build.mesh_level import Level
 from ngcell.build.meshed import Refined
 from ngcell.build.options import Options
@@ -24,6 +24,7 @@ from ngcell.contact.methods.terms import ContactTerm
 from ngcell.problem.problem import Problem
 from ngcell.results.error import Numbers
 from ngcell.solve import handing_over
+from ngcell.solve.continuation import Continuation
 from ngcell.solve.handing_over import HandingOver
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Ending, Minimum
@@ -125,6 +126,30 @@ def test_the_penalty_leads_again_where_walls_slide_away(monkeypatch):
     assert len(calls) == 4  # on the mesh that is reported, twice on the coarser one, and on the first again
     assert step.record.certified
     assert step.record.energy == pytest.approx(usual.energy, rel=1e-4)
+
+
+def test_where_nothing_is_found_beside_a_coarser_mesh_the_whole_path_is_followed(monkeypatch):
+    """By the penalty, which leads, and to its end by multipliers."""
+    usual, lost, whole = solved("accuracy=0.1").record, list[Minimum](), list[int]()
+    settled, select = mesh_level.settled, Continuation.select
+
+    def lost_once(*minimisers: Any, path: Continuation | None, **how: Any) -> Minimum:
+        minimum = settled(*minimisers, path=path, **how)
+        if path is None or lost:
+            return minimum
+        lost.append(minimum)
+        return replace(minimum, ending=Ending.CONDITIONS_MISSED)
+
+    def counted(path: Continuation, *at: Any, **how: Any) -> Minimum:
+        whole.append(len(lost))
+        return select(path, *at, **how)
+
+    monkeypatch.setattr(mesh_level, "settled", lost_once)
+    monkeypatch.setattr(Continuation, "select", counted)
+    *_, step = simulation("accuracy=0.1").accepted_steps()
+    assert whole == [0, 1]  # on the first mesh, and on the one where walls were lost
+    assert step.record.certified and step.record.energy_error > 0
+    assert step.record.energy == pytest.approx(usual.energy, rel=0.02)  # on a branch beside it
 
 
 def test_where_walls_have_slid_last_digits_are_found_on_the_next_mesh_only(monkeypatch):
