@@ -19,8 +19,6 @@ from threading import Thread
 from time import process_time
 from typing import Any
 
-import scipy.optimize  # noqa: F401 - a load may need it: its libraries are mapped before memory is bounded
-
 from ngcell.errors import CaseError, GeometryError, NgcellError, NotConverged, TooLarge
 from ngcell.export.summary import failed_checks
 from ngcell.results.record import StepRecord

@@ -28,7 +28,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
@@ -59,6 +58,7 @@ class Barrel:
         """Return the barrelling of a block whose plates are this many times their distance at rest apart, > 0."""
         if stretch == 1.0:
             return cls(0.0, axes)
+        from scipy.optimize import brentq  # few runs need it, and it loads much of scipy
 
         def missed(log: float) -> float:
             return float(np.log(cls(float(np.expm1(log)), axes).height(np.ones(1))[0] / stretch))
