@@ -142,7 +142,7 @@ def test_averages_converge_where_the_largest_stress_does_not():
     averages, peaks = [], []
     for grading in (1, 2, 3):
         sets = ("mesh.order=3", f"mesh.grading={grading}", "load.levels=1", "accuracy=inf")
-        step = tissue(*PAIR, *sets, "material.strength=1.0")[-1]
+        step = tissue(*FOUR, *sets, "material.strength=1.0")[-1]
         averages.append(step.record.more["utilisation"])
         peaks.append(np.linalg.eigvalsh(step.snapshot.bulk.point_data["cauchy_stress"].reshape(-1, 3, 3))[:, -1].max())
     assert peaks[2] > 1.3 * peaks[1] > 1.3**2 * peaks[0]
