@@ -16,7 +16,7 @@ SOFT = {"kind": "mooney-rivlin", "c1": 0.05, "c2": 0.05, "bulk_modulus": 10.0}
 
 def case(height: float | None, *, ends: str | None = None, **parts: Any) -> Case:
     """Two cells between plates, sheared; a part that is given replaces that of the case."""
-    mesh = {"order": 2, "size": 0.5} | ({} if height is None else {"slices": 1})
+    mesh = {"order": 2, "size": 1.0} | ({} if height is None else {"slices": 1})
     load = {"kind": "plates", "displacement": (0.2, 0.0), "levels": 1} | ({} if ends is None else {"ends": ends})
     tissue = {"rows": 1, "cols": 2, "wall": 0.1} | ({} if height is None else {"height": height})
     table = {"tissue": tissue, "material": MATERIAL, "load": load, "mesh": mesh, "accuracy": inf}

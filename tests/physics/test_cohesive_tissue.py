@@ -10,7 +10,7 @@ from ngcell.build.reported import Step
 from ngcell.build.simulation import Simulation
 from ngcell.solve.strategies import sddp
 
-SMALL = ["load.levels=1", "mesh.order=2"]
+SMALL = ["load.levels=1", "mesh.order=2", "tissue.rows=2", "tissue.cols=2"]
 
 
 def followed(*sets: str) -> list[Step]:

@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cache
 from itertools import product
 from typing import Any
 
 import pytest
 
-from tools.references import contact_error
+from tools.references import contact_error, radial
 from tools.references.contact_error import LIMIT, RINGS
+
+
+@pytest.fixture(scope="module", autouse=True)
+def exact_once() -> Iterator[None]:
+    """The one-dimensional solution of each ring is found once: it takes longer than what it is compared with."""
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("press_fit", "closing", "pulled_apart"):
+            patch.setattr(radial, name, cache(getattr(radial, name)))
+        yield
 
 
 @cache
@@ -17,7 +27,15 @@ def found(name: str, contact: str, order: int | None) -> dict[str, Any]:
     return contact_error.found(RINGS[name], contact, order)
 
 
-@pytest.mark.parametrize(("name", "contact", "order"), list(product(RINGS, LIMIT, (None, 3))))
+#: All rings on meshes of their own, and on a given one but for NGSolve's contact, which one ring shows.
+SOLVED = [
+    (name, contact, order)
+    for name, contact, order in product(RINGS, LIMIT, (None, 3))
+    if order is None or contact != "ngsolve" or name == "parting"
+]
+
+
+@pytest.mark.parametrize(("name", "contact", "order"), SOLVED)
 def test_contact_costs_a_quarter_of_the_accuracy_at_most(name, contact, order):
     errors = found(name, contact, order)
     assert errors["certified"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from math import inf
 from typing import Any
 
@@ -34,7 +35,12 @@ def sheared(lumen: dict[str, Any] | None, strategy: str) -> Step:
     return simulate(case)[-1]
 
 
-@pytest.mark.parametrize(("rows", "cols", "pressure"), [(1, 7, 0.5), (3, 3, 0.005)])
+@cache
+def hollow() -> Step:
+    return sheared(None, "single-step")
+
+
+@pytest.mark.parametrize(("rows", "cols", "pressure"), [(1, 4, 0.5), (2, 2, 0.005)])
 def test_pressure_in_confined_cells_of_any_wall_moves_nothing_and_comes_back_as_contact_pressure(rows, cols, pressure):
     """K5: incompressible walls, the outer boundary held; in a row of cells no three meet at a corner."""
     case = tissue(
@@ -69,7 +75,7 @@ def test_pressure_in_confined_cells_of_any_wall_moves_nothing_and_comes_back_as_
     ids=lambda lumen: lumen["kind"],
 )
 def test_what_cells_hold_keeps_them_together_whichever_way_they_are_loaded(lumen):
-    empty = sheared(None, "single-step")
+    empty = hollow()
     steps = [sheared(lumen, strategy) for strategy in ("sddp", "single-step")]
     one, two = (step.record for step in steps)
     assert all(step.measurement.certificate.passed for step in steps)

@@ -14,6 +14,7 @@ from ngcell.build.simulation import Simulation
 from ngcell.contact.methods.by_mortar import Mortar
 from ngcell.contact.options import ContactOptions
 from ngcell.results.forces import contact_forces
+from ngcell.solve.step import Accepted
 
 
 def case(strategy: str = "sddp", contact: str = "mortar", displacement: float = 0.5) -> ngcell.Case:
@@ -64,12 +65,18 @@ def test_the_stiffness_of_the_penalty_terms_leaves_no_trace(multiple, monkeypatc
     assert other.record.energy == pytest.approx(usual.record.energy, rel=1e-7)
 
 
+@cache
+def followed(contact: str) -> tuple[Simulation, Accepted]:
+    simulation = Simulation(case(contact=contact))
+    *_, accepted = simulation.follow(Checkpoint())
+    return simulation, accepted
+
+
 @pytest.mark.parametrize("contact", ["mortar", "penalty"])
 @pytest.mark.parametrize("cut", [1, 2])
 def test_k6_the_plates_pull_as_hard_as_walls_press_across_a_cut(contact, cut):
     """The cut runs between two rows, through contact only; what the last proximal term holds counts apart."""
-    simulation = Simulation(case(contact=contact))
-    *_, accepted = simulation.follow(Checkpoint())
+    simulation, accepted = followed(contact)
     problem, state, proximal = simulation.problem, accepted.minimum.state, accepted.minimum.proximal
     pull = -proximal.gradient(state.displacement, problem.metric)
     support = problem.unknowns.reactions(problem.gradient(state) - pull)

@@ -24,6 +24,7 @@ from tools.references.radial import RadialSolid
 
 #: Compressible enough to be compressed without widening.
 SPONGE = 5.0
+STRETCH = 0.8
 
 
 def block(bottom: float, size: float) -> occ.Face:
@@ -72,23 +73,21 @@ def assert_uniform(state: Equilibrium, pressure: float) -> None:
 
 
 @pytest.mark.parametrize("order", [1, 2, 3, 4])
-@pytest.mark.parametrize("stretch", [0.9, 0.8])
-@pytest.mark.parametrize("sizes", [(0.4, 0.27), (0.13, 0.3)])
-def test_confined_blocks_press_uniformly(order, stretch, sizes):
-    exact = -RadialSolid(0.8, 0.2, SPONGE).slopes(1.0, stretch)[1]
-    assert_uniform(pressed(stretch, sizes, order, confined=True), exact)
+@pytest.mark.parametrize("sizes", [(0.4, 0.27), (0.2, 0.3)])
+def test_confined_blocks_press_uniformly(order, sizes):
+    exact = -RadialSolid(0.8, 0.2, SPONGE).slopes(1.0, STRETCH)[1]
+    assert_uniform(pressed(STRETCH, sizes, order, confined=True), exact)
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
-@pytest.mark.parametrize("stretch", [0.9, 0.8])
 @pytest.mark.parametrize("sizes", [(0.4, 0.27), (0.22, 0.3)])
-def test_k1_blocks_with_free_sides_press_uniformly(order, stretch, sizes):
-    assert_uniform(pressed(stretch, sizes, order, confined=False), compressed(stretch).nominal_pressure)
+def test_k1_blocks_with_free_sides_press_uniformly(order, sizes):
+    assert_uniform(pressed(STRETCH, sizes, order, confined=False), compressed(STRETCH).nominal_pressure)
 
 
 @pytest.mark.parametrize("multiple", [10.0, 100.0])
 def test_the_stiffness_of_the_penalty_terms_leaves_no_trace(multiple, monkeypatch):
     stiffer = partialmethod(Mortar.stages, options=ContactOptions(mortar_multiple=multiple))
     monkeypatch.setattr(Mortar, "stages", stiffer)
-    exact = -RadialSolid(0.8, 0.2, SPONGE).slopes(1.0, 0.8)[1]
-    assert_uniform(pressed(0.8, (0.4, 0.27), 2, confined=True), exact)
+    exact = -RadialSolid(0.8, 0.2, SPONGE).slopes(1.0, STRETCH)[1]
+    assert_uniform(pressed(STRETCH, (0.4, 0.27), 2, confined=True), exact)

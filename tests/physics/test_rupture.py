@@ -91,17 +91,18 @@ def test_a_swept_wall_under_pressure_bears_the_mean_over_its_thickness(grading: 
     assert found.of_body[0] == pytest.approx(exact.mean_hoop, rel=5e-3)
 
 
-#: Four cells, sheared.
+#: Four cells and two, sheared.
 FOUR = ("tissue.rows=2", "tissue.cols=2", "load.displacement=[0.5, 0.0]")
+PAIR = ("tissue.rows=1", "tissue.cols=2", "load.displacement=[0.3, 0.0]")
 
 
 def tissue(*sets: str) -> list[Step]:
     return simulate(read_case("shear-empty-3x3", ["expected=[]", *sets]))
 
 
-@pytest.mark.parametrize("ratio", [20.0, 50.0, 100.0, 300.0])
+@pytest.mark.parametrize("ratio", [20.0, 300.0])
 def test_a_cell_under_pressure_bears_what_finer_elements_say(ratio: float):
-    """With the volume ratio of the displacement alone it is 1.2, 1.7, 2.5 and 5.7 times as much at order 3."""
+    """With the volume ratio of the displacement alone it is 1.2 and 5.7 times as much at order 3."""
     bulk = f"material.bulk_modulus={2 * ratio!r}"
     cell = ("tissue.rows=1", "lumen.kind=pressure", "lumen.pressure=0.02", "load.displacement=[0.2, 0.0]", bulk)
     single = ("tissue.cols=2", "load.levels=1", "accuracy=inf", "material.strength=0.1")
@@ -117,7 +118,7 @@ def predicted(*sets: str, strength: float = 0.03) -> RuptureLoad:
 
 
 def test_a_finer_mesh_moves_the_load_by_less_than_its_error():
-    usual, fine = predicted("accuracy=0.1"), predicted("accuracy=0.01")
+    usual, fine = predicted(*FOUR, "accuracy=0.1"), predicted(*FOUR, "accuracy=0.01")
     assert 0 < fine.error < usual.error < 0.1 * usual.load_factor
     assert abs(usual.load_factor - fine.load_factor) < usual.error
     assert fine.cell == usual.cell
@@ -126,10 +127,10 @@ def test_a_finer_mesh_moves_the_load_by_less_than_its_error():
 def test_loads_do_not_depend_on_units():
     """Lengths times 4, stresses times 8."""
     large = (
-        "tissue.rows=2", "tissue.cols=2", "tissue.side=4.0", "tissue.wall=0.4", "load.displacement=[2.0, 0.0]",
+        "tissue.rows=1", "tissue.cols=2", "tissue.side=4.0", "tissue.wall=0.4", "load.displacement=[1.2, 0.0]",
         "material.c1=8.0", "material.c2=8.0", "material.bulk_modulus=800.0", "accuracy=0.1",
     )  # fmt: skip
-    one, two = predicted(*FOUR, "accuracy=0.1", strength=0.01), predicted(*large, strength=0.08)
+    one, two = predicted(*PAIR, "accuracy=0.1", strength=0.01), predicted(*large, strength=0.08)
     assert two.load_factor == pytest.approx(one.load_factor, rel=1e-9)
     assert two.error == pytest.approx(one.error, rel=1e-6)
     assert two.cell == one.cell

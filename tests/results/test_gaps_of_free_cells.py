@@ -17,7 +17,8 @@ SCENES = {
     "sheared": ("shear-empty-3x3", PLAIN),
     "halves of prisms, which supports hold along their axes": (
         "shear-empty-3x3",
-        [*PLAIN, "tissue.height=0.4", 'load.ends="mirrored"', "mesh.slices=1", "mesh.layers=1", "mesh.size=1.0"],
+        [*PLAIN, "tissue.cols=2", "tissue.height=0.4", 'load.ends="mirrored"', "mesh.slices=1", "mesh.layers=1",
+         "mesh.size=1.0"],
     ),
     "a row between two that are pulled apart": ("stretch-plates", [*PLAIN, "tissue.rows=3", "tissue.cols=2"]),
 }

@@ -78,6 +78,12 @@ def full_case() -> Case:
     )
 
 
+def test_a_case_that_does_not_say_asks_for_an_accuracy_of_one_percent() -> None:
+    material = MooneyRivlin(c1=1.0, c2=1.0, bulk_modulus=100.0)
+    said = Case(tissue=Tissue(rows=1, cols=2, wall=0.1), material=material, load=Plates(displacement=(0.1, 0.0)))
+    assert said.accuracy == 0.01
+
+
 def test_shipped_cases_are_found_by_name_and_by_path() -> None:
     files = shipped_cases()
     assert sorted(files) == SHIPPED

@@ -6,7 +6,7 @@ import json
 import subprocess
 import sys
 
-from tests.sweeps.conftest import SMALL
+from tests.sweeps.conftest import SMALLER
 from tools.studies.sweeps import use_of_cores
 
 
@@ -24,7 +24,7 @@ def test_the_driver_keeps_nothing_of_runs_that_have_ended(tmp_path):
 
 def test_the_use_of_cores_is_told_for_a_study_and_for_its_repetition(tmp_path):
     file = tmp_path / "study.toml"
-    file.write_text(f"{SMALL}[axes]\ntissue.wall = [0.1, 0.12]\n")
+    file.write_text(f"{SMALLER}[axes]\ntissue.wall = [0.1, 0.12]\n")
     first, again = (use_of_cores(str(file), tmp_path / "out") for _ in range(2))
     assert first["computed"] == first["cases"] == first["certified"] == 2 and again["computed"] == 0
     assert 0 < first["cores_share"] <= 1 and first["cores_share"] <= first["wanted_share"] <= 1
