@@ -27,6 +27,8 @@ TABLE, REPORT = RESULTS / "growing.csv", RESULTS / "growing.md"
 SIZES = ((5, 7), (10, 10), (20, 25), (32, 32))
 SHARES = (0.1, 0.2)
 CASES = {"hollow": "shear-empty", "pressure": "shear-pressurised", "filled": "shear-filled"}
+#: What a run that took more time than it was given ends as.
+_LATE = "out of time"
 _NUMBERS = ("energy", "plate_force", "mean_gap")
 _WORK = (
     "meshes", "iterations", "factorisations", "refused", "seconds", "factorisation", "assembly", "GiB", "code",
@@ -59,7 +61,8 @@ def measured(case: str, sets: Iterable[str], accuracy: float, minutes: float) ->
         run = ended(*words, timeout=60 * minutes + 120)
         summary, released = summary_in(folder), released_rows(folder)
     row |= {"GiB": f"{run.peak_mb / 1024:.2f}", "seconds": f"{run.processor:.0f}"}
-    row |= {"outcome": summary.get("outcome") or run.last_words("no words")}
+    words = run.last_words("no words").partition(";")[0]
+    row |= {"outcome": summary.get("outcome") or (_LATE if run.timed_out or "--max-minutes" in words else words)}
     row |= {column: summary.get(column, "") for column in ("iterations", "factorisations", "refused")}
     row["meshes"] = len(summary.get("meshes", ())) or ""
     phases = summary.get("seconds", {}).get("processor_by_phase", {})
