@@ -26,6 +26,8 @@ from ngcell.solve.released import Released
 from ngcell.solve.step import StepFailed, spent
 
 Minimisers = Sequence[Minimiser]
+#: Minimisers that come first, those that a step goes through, whether contact begins as stiff as on the mesh before.
+Attempt = tuple[Minimisers, Minimisers, bool]
 
 _log = logging.getLogger(__name__)
 
@@ -60,14 +62,14 @@ class Level(Generic[Scene]):
         for minimiser in self._used:
             minimiser.release_matrix()
 
-    def _tied_at(self, displacement: Array, load: float) -> Iterator[tuple[Minimisers, Minimisers]]:
+    def _tied_at(self, displacement: Array, load: float) -> Iterator[Attempt]:
         """Yield the minimiser of the tied solid, after those of smaller bulk moduli, and at last the one with contact:
         that alone where a body touches itself at a displacement."""
         if not has_contact(self._closing, displacement, load):
-            yield self._tied[:-1], self._tied[-1:]
+            yield self._tied[:-1], self._tied[-1:], False
         if self._closing:
             self._closing[-1].problem.reset()
-            yield self._closing[:-1], self._closing[-1:]
+            yield self._closing[:-1], self._closing[-1:], False
 
     def _passes_itself(self, minimisers: Minimisers, minimum: Minimum, load: float) -> bool:
         """Return whether a body touches itself in a minimum of the tied solid without contact."""
@@ -84,6 +86,9 @@ class Level(Generic[Scene]):
     ) -> Refined[Scene] | None:
         """Return a step on this mesh that was found on the one before; None where it finds no equilibrium.
 
+        Contact begins as stiff as it is meant; where bodies press each other so much that they pass through each other
+        by it, it begins as stiff as it has become on the mesh before.
+
         If it `only_leads` to what is reported, released walls are in the contact of the stage before the last, and no
         last digits are looked for: multipliers take over from wherever the energy hardly falls. Few are where the step
         `is_finished_later`, if it is reported, and all where nothing but the error of another is told by it.
@@ -96,9 +101,12 @@ class Level(Generic[Scene]):
         share = mine.options.solver.handed_on if only_leads else None
         if path is not None and is_finished_later:
             share = inf if only_leads else path.options.of_leading
-        for softer, last in self._tied_at(start, load) if is_tied else self._attempts(only_leads):
+        for softer, last, is_as_stiff in self._tied_at(start, load) if is_tied else self._attempts(only_leads):
             effort = spent((*softer, *last))
-            self._prepare(softer, last, coarse, start, mine.problem_of(accepted.phase, only_leads=only_leads))
+            own = mine.problem_of(accepted.phase, only_leads=only_leads)
+            self._prepare(softer, last, coarse, start, own)
+            if is_as_stiff:
+                _recall_stiffness(own, coarse.problem)
             try:
                 length, options = self._released.longest_step, mine.options.solver
                 minimum = settled(last, start, softer=softer, length=length, options=options, path=path, share=share)
@@ -215,7 +223,7 @@ class Level(Generic[Scene]):
                 minimisers[0].problem.start_from(before_it.problem, before_it.problem.at(start))
         own.refine(coarse.problem, cast(State, accepted.minimum.state))
 
-    def _attempts(self, only_leads: bool) -> list[tuple[Minimisers, Minimisers]]:
+    def _attempts(self, only_leads: bool) -> list[Attempt]:
         """Return minimisers of the released walls that a step may go through, the fewest first, after those of walls
         with smaller bulk moduli.
 
@@ -226,7 +234,8 @@ class Level(Generic[Scene]):
         stages = self._released.minimisers[: len(self._released.minimisers) - left_out]
         few, most = 2 if self.has_multipliers and not only_leads else 1, len(stages) - len(self._tied)
         counts = [few, most] if few < most else [few]
-        return [(self.simulation.softer_in_bulk(count + left_out), stages[-count:]) for count in counts]
+        ways = [(self.simulation.softer_in_bulk(count + left_out), stages[-count:], False) for count in counts]
+        return [*ways, (*ways[0][:2], True)]
 
     def stable(self, found: Refined[Scene]) -> Refined[Scene]:
         """Return a step with its lowest curvature, below a saddle if it rests on one; errors are as before.
@@ -248,3 +257,10 @@ class Level(Generic[Scene]):
             return replace(found, errors=Errors())
         effort = found.accepted.effort + (spent((minimiser,)) - effort)
         return replace(found, accepted=replace(found.accepted, minimum=left, effort=effort))
+
+
+def _recall_stiffness(mine: Problem, coarse: Problem) -> None:
+    """Let contact begin as stiff as it has become on a coarser mesh."""
+    for term, before in zip(mine.terms, coarse.terms, strict=True):
+        if isinstance(term, ContactTerm) and isinstance(before, ContactTerm):
+            term.recall(before.memory())
