@@ -10,10 +10,6 @@ _BETWEEN = (
     "On the finer mesh a penalty leads to the pressures of contact, and by it a pressure of twelve shear moduli gains "
     "more from walls that penetrate each other beside corners of three cells than that costs them."
 )
-_SLIDES = (
-    "Walls slide on and on where multipliers take over from the penalty on the third mesh; by sources 19f70abc, whose "
-    "multipliers took over in another way, it was certified after 28 s."
-)
 _BUCKLES = (
     "Walls buckle along the axis, in waves that two slices do not resolve: 2, 4 and 8 slices store 0.61, 0.29 and 0.25 "
     "(at order 2), and none of them is certified. Sources of before certified a saddle."
@@ -21,7 +17,6 @@ _BUCKLES = (
 
 CAUSES: dict[str, str] = {
     "cell pressure: held tissue 50": _BETWEEN,
-    "cell pressure: held tissue 5": _SLIDES,
     "compression: 0.5 frame, both ways": _PRESSED,
     "prisms: axis stretched by -0.3": _BUCKLES,
 }

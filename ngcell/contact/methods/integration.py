@@ -14,11 +14,13 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.contact.methods.multipliers import SHARP
 from ngcell.contact.pairing.intersections import find_intersections, intersection_pairs
 from ngcell.contact.pairing.near import NearFacets, Reach
 from ngcell.contact.pairing.pairs import ContactPairs
 from ngcell.contact.pairing.search import PairSearch
 from ngcell.contact.pairing.segments import find_segments, segment_pairs
+from ngcell.contact.pairing.wall_ends import WallEnds
 from ngcell.contact.surface.edges import EdgeSurface
 from ngcell.contact.surface.facets import FacetSurface
 from ngcell.contact.surface.surface import Surface, SurfacePoints
@@ -35,6 +37,11 @@ class Integration(Protocol):
 
     def renew(self, nodes: Array) -> bool:
         """Adapt the rule to deformed nodes, and tell whether it had to be."""
+
+
+def wall_ends(walls: EdgeSurface) -> WallEnds:
+    """Return the ends of walls, where multipliers are broken, too."""
+    return WallEnds(np.abs(walls.exterior_angle) >= SHARP)
 
 
 class SegmentIntegration:
@@ -55,12 +62,13 @@ class SegmentIntegration:
     def __init__(self, walls: EdgeSurface, reach: Reach, rank: Index, limit: float) -> None:
         self._walls, self._reach, self._rank, self._limit = walls, reach, rank, limit
         self._near = NearFacets(walls, reach)
+        self._ends = wall_ends(walls)
 
     def points(self, nodes: Array) -> tuple[ContactPairs, ContactPairs | None]:
         """Return the points of the segments of this state, and their ends."""
         primary, secondary = _with_multipliers(self._walls, self._rank, *self._near.pairs(nodes))
-        segments = find_segments(self._walls, nodes, primary, secondary, self._limit)
-        return segment_pairs(self._walls, nodes, segments, self._reach)
+        segments = find_segments(self._walls, nodes, primary, secondary, self._limit, self._ends)
+        return segment_pairs(self._walls, nodes, segments, self._reach, self._ends)
 
     def renew(self, nodes: Array) -> bool:
         """Do nothing: segments are always those of the state."""

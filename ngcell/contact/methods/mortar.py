@@ -27,7 +27,8 @@ method: penalty terms ``stiffness min(0, gap - pressure / stiffness)^2 / 2`` hav
 the solver descends; the pressures of the penalty terms then become the new multipliers, until nothing changes. Penalty
 terms only set the pace: each update leaves a share of the gaps that is about the walls' own stiffness over theirs, and
 where it leaves most they are stiffened. Multipliers begin with pressures whose forces are those of the penalty that led
-there; near an equilibrium they are foreseen by the solver (`ngcell.solve.foreseen`).
+there, and terms as much stiffer as it had to become; near an equilibrium they are foreseen by the solver
+(`ngcell.solve.foreseen`). A point that is no deeper than its allowance begins without a multiplier: its gap is open.
 
 Why this variant. Multipliers that are continuous and one order lower than the trace are stable beside it for any mesh
 of the other body, and Bernstein polynomials keep pressures positive; dual multipliers only pay where multipliers are
@@ -38,22 +39,26 @@ at sharp corners, so three cells that meet at a corner have three conditions on 
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
 from ngcell.contact.gap.by_surface import gap_kinematics
 from ngcell.contact.gap.moving_ends import Cuts
-from ngcell.contact.methods.integration import integration
+from ngcell.contact.methods.integration import integration, wall_ends
 from ngcell.contact.methods.mortar_set import MortarSet
 from ngcell.contact.methods.multipliers import MultiplierSpace, constrained_points, sagitta
 from ngcell.contact.methods.notches import Notches, extended
+from ngcell.contact.methods.penalty import PenaltyContact
 from ngcell.contact.methods.pressures_alike import nodal_forces, pressures_alike
 from ngcell.contact.methods.protocol import ContactMethod, ContactSet
 from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
 from ngcell.contact.pairing.near import Reach, adjacency, facing
 from ngcell.contact.pairing.pairs import ContactPairs, joined
 from ngcell.contact.pairing.search import PairSearch
+from ngcell.contact.surface.edges import EdgeSurface
 from ngcell.contact.surface.surface import Surface, SurfacePoints
 from ngcell.mechanics.stored import StoredEnergy
 
@@ -93,9 +98,7 @@ class MortarContact:
         self._constrained, self._notches = PairSearch(walls, constrained, reach), Notches(walls, constrained)
         self._allowance = self._allowed(walls.rest)
         self._weight = self._all_rows(self.space.weight, walls.depth[constrained.facet] ** (walls.dimension - 1))
-        by_row = np.zeros(self.space.size)
-        by_row[self.space.row] = stiffness[:, None]
-        self._stiffness = self._all_rows(by_row, stiffness[constrained.facet])
+        self._stiffness = self._of_facets(stiffness)
         self.multipliers, self._missed = np.zeros((2, len(self._weight)))
         self._pace = np.ones_like(self._weight)
 
@@ -113,6 +116,12 @@ class MortarContact:
         by_body = np.repeat(by_point, self._bodies)
         return np.concatenate([by_function, by_body, by_body])
 
+    def _of_facets(self, values: Array) -> Array:
+        """Return values of all multipliers, from those of the facets that they act on."""
+        by_function = np.zeros(self.space.size)
+        by_function[self.space.row] = values[:, None]
+        return self._all_rows(by_function, values[self._constrained_facet])
+
     def follow(self, other: ContactMethod, positions: Array) -> None:
         """Start from pressures, of all conditions that overlap somewhere, whose forces are those of another method at
         its equilibrium."""
@@ -120,10 +129,13 @@ class MortarContact:
         self._integration.renew(nodes)
         self._allowance = self._allowed(nodes)
         self._pace, self.multipliers = np.ones_like(self._weight), np.zeros_like(self._weight)
+        if isinstance(other, PenaltyContact):
+            self._pace = self._of_facets(np.minimum(other.raised_on_facets, MOST_INCREASE))
         self._notches.clear()
         theirs, mine = other.pair(positions), self.pair(positions)
         _, jacobian, _ = mine.penalty_terms(positions)
-        overlaps = np.flatnonzero(mine.average @ (mine.kinematics.gaps(positions) < 0))
+        is_deep = mine.kinematics.gaps(positions) + mine.average.T @ mine.allowance < 0
+        overlaps = np.flatnonzero(mine.average @ is_deep)
         pulled = (sparse.diags_array(mine.weight[overlaps]) @ jacobian[overlaps]).T.tocsc()
         self.multipliers[mine.rows[overlaps]] = pressures_alike(pulled, nodal_forces(theirs, positions))
 
@@ -150,8 +162,13 @@ class MortarContact:
         return self.space.size + point * self._bodies + body
 
     def _cuts(self, ends: ContactPairs, rows: Index, positions: Array, nodes: Array) -> Cuts:
-        (slope,) = self.walls.tangents(ends.primary, ends.primary_xi, nodes)
-        return Cuts(gap_kinematics(self.walls, ends, positions), self._shares(ends, rows), slope)
+        assert isinstance(self.walls, EdgeSurface)  # others have no cuts
+        ways = wall_ends(self.walls)
+        projected = replace(ends, primary_xi=ways.projected(ends.primary, ends.primary_xi))
+        (slope,) = self.walls.tangents(projected.primary, projected.primary_xi, nodes)
+        kinematics, before = (gap_kinematics(self.walls, pairs, positions) for pairs in (ends, projected))
+        rates = ways.rates(ends.primary, ends.primary_xi)
+        return Cuts(kinematics, before, self._shares(ends, rows), slope, *rates)
 
     def _averages(self, along: ContactPairs, constrained: ContactPairs) -> tuple[Index, sparse.csr_array]:
         """Return the multipliers that have points, and the share of each point in their gaps."""

@@ -158,7 +158,12 @@ class PenaltyContact:
     @property
     def stiffness(self) -> Array:
         """Penalty stiffness of each facet, as far as it has been raised [stress / length], shape (facets,)."""
-        return np.asarray(self._factor[self.walls.body] * self._derived)
+        return np.asarray(self.raised_on_facets * self._derived)
+
+    @property
+    def raised_on_facets(self) -> Array:
+        """Factors by which penalty terms that were too soft have been made stiffer, shape (facets,)."""
+        return np.asarray(self._factor[self.walls.body])
 
     @property
     def raised(self) -> float:

@@ -17,6 +17,7 @@ from ngcell.contact.pairing.closest_on_edges import closest_points
 from ngcell.contact.pairing.near import Reach, facing, reach_between
 from ngcell.contact.pairing.pairs import ContactPairs, feet
 from ngcell.contact.pairing.unit_roots import unit_roots
+from ngcell.contact.pairing.wall_ends import WallEnds
 from ngcell.contact.surface.edges import EdgeSurface
 
 Array = NDArray[np.float64]
@@ -44,15 +45,23 @@ class Segments:
 
 
 def find_segments(
-    walls: EdgeSurface, nodes: Array, primary: Index, secondary: Index, limit: float = DEFAULT_OPTIONS.facing
+    walls: EdgeSurface,
+    nodes: Array,
+    primary: Index,
+    secondary: Index,
+    limit: float = DEFAULT_OPTIONS.facing,
+    ends: WallEnds | None = None,
 ) -> Segments:
     """Return the segments of pairs of edges at deformed nodes, shape (edges, order + 1, 2) [length].
 
-    Those whose normals multiply to `limit` or more do not face each other, and have none.
+    Those whose normals multiply to `limit` or more do not face each other, and have none. At `ends` segments come to
+    rest.
     """
     opposed = facing(walls, nodes, primary, secondary, limit)
     primary, secondary = primary[opposed], secondary[opposed]
     at = np.column_stack([_projected(walls, nodes, primary, secondary, end) for end in (0, 1)])
+    if ends is not None:
+        at = np.column_stack([ends.places(primary, column) for column in at.T])
     kept = np.ptp(at, axis=1) > _SLIVER
     return Segments(primary[kept], secondary[kept], at[kept])
 
@@ -71,12 +80,13 @@ def _projected(walls: EdgeSurface, nodes: Array, primary: Index, secondary: Inde
 
 
 def segment_pairs(
-    walls: EdgeSurface, nodes: Array, segments: Segments, reach: Reach
+    walls: EdgeSurface, nodes: Array, segments: Segments, reach: Reach, ends: WallEnds | None = None
 ) -> tuple[ContactPairs, ContactPairs]:
     """Return the Gauss points of all segments that come nearer than `reach` [length], and the cuts that end them.
 
     A cut is a vertex of the other wall and the point that it is projected to. Its weight is the rate at which the
-    segment grows with that point's coordinate [length]: positive at the upper end, negative at the lower one.
+    segment grows with that point's coordinate [length]: positive at the upper end, negative at the lower one. At `ends`
+    it comes to rest.
     """
     count = walls.basis.order + 2
     place, share = np.polynomial.legendre.leggauss(count)
@@ -93,4 +103,6 @@ def segment_pairs(
     grows = np.where(at > segments.at[segment, 1 - end], 1.0, -1.0)
     primary = segments.primary[segment]
     rate = grows * walls.rest_measure(primary, at)
+    if ends is not None:
+        rate = rate * ends.rates(primary, at)[0]
     return points, feet(primary, at, rate, segments.secondary[segment], end.astype(float))
