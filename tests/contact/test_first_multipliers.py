@@ -7,6 +7,7 @@ import pytest
 
 from ngcell.contact.methods.penalty import PenaltyContact
 from tests.contact.stacks import REACH, Stack, blocks
+from tests.tissues import NOTHING
 
 
 def pressed(stack: Stack, overlap: float) -> tuple[PenaltyContact, np.ndarray]:
@@ -37,11 +38,17 @@ def test_points_that_are_deeper_begin_with_one(order):
     assert stack.contact.multipliers[stack.contact.space.size :].any()
 
 
-def test_terms_begin_as_much_stiffer_as_the_penalty_had_to_become():
-    """Confined walls are stiffer than the layers that stiffness is derived from."""
+@pytest.mark.parametrize(("raised", "begun"), [(1.0, 1.0), (100.0, 1000.0), (1e6, 1e7)])
+def test_terms_begin_as_much_stiffer_as_a_penalty_that_is_meant_would_be(raised, begun):
+    """Confined walls are stiffer than the layers that stiffness is derived from, and a penalty that hands over may store
+    ten times as much as one that is meant. They never become softer."""
     stack = blocks((0.3, 0.17))
     penalty, positions = pressed(stack, 1e-3)
-    penalty.recall({"factor": np.array([100.0, 100.0]), "is_refined": np.zeros(2, dtype=bool)})
+    penalty.recall({"factor": np.full(2, raised), "is_refined": np.zeros(2, dtype=bool)})
     derived = stack.contact.pair(positions).stiffness
     stack.contact.follow(penalty, positions)
-    np.testing.assert_allclose(stack.contact.pair(positions).stiffness, 100 * derived)
+    found = stack.contact.pair(positions)
+    np.testing.assert_allclose(found.stiffness, begun * derived)
+    stack.contact.update_multipliers(found, positions, NOTHING)
+    stack.contact.increase_penalty()
+    assert (stack.contact.pair(positions).stiffness >= found.stiffness).all()

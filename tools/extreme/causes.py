@@ -6,17 +6,12 @@ _PRESSED = (
     "A tissue is pressed to a quarter of its area, which is hardly more than its walls have: sides of lumens pass "
     "through each other at corners."
 )
-_BETWEEN = (
-    "On the finer mesh a penalty leads to the pressures of contact, and by it a pressure of twelve shear moduli gains "
-    "more from walls that penetrate each other beside corners of three cells than that costs them."
-)
 _BUCKLES = (
     "Walls buckle along the axis, in waves that two slices do not resolve: 2, 4 and 8 slices store 0.61, 0.29 and 0.25 "
     "(at order 2), and none of them is certified. Sources of before certified a saddle."
 )
 
 CAUSES: dict[str, str] = {
-    "cell pressure: held tissue 50": _BETWEEN,
     "compression: 0.5 frame, both ways": _PRESSED,
     "prisms: axis stretched by -0.3": _BUCKLES,
 }

@@ -27,8 +27,9 @@ method: penalty terms ``stiffness min(0, gap - pressure / stiffness)^2 / 2`` hav
 the solver descends; the pressures of the penalty terms then become the new multipliers, until nothing changes. Penalty
 terms only set the pace: each update leaves a share of the gaps that is about the walls' own stiffness over theirs, and
 where it leaves most they are stiffened. Multipliers begin with pressures whose forces are those of the penalty that led
-there, and terms as much stiffer as it had to become; near an equilibrium they are foreseen by the solver
-(`ngcell.solve.foreseen`). A point that is no deeper than its allowance begins without a multiplier: its gap is open.
+there; a point that is no deeper than its allowance has none, since its gap is open. Where the penalty had to become
+stiffer, since walls are confined, terms begin as much stiffer as it would be were it meant to last. Near an equilibrium
+multipliers are foreseen by the solver (`ngcell.solve.foreseen`).
 
 Why this variant. Multipliers that are continuous and one order lower than the trace are stable beside it for any mesh
 of the other body, and Bernstein polynomials keep pressures positive; dual multipliers only pay where multipliers are
@@ -130,7 +131,9 @@ class MortarContact:
         self._allowance = self._allowed(nodes)
         self._pace, self.multipliers = np.ones_like(self._weight), np.zeros_like(self._weight)
         if isinstance(other, PenaltyContact):
-            self._pace = self._of_facets(np.minimum(other.raised_on_facets, MOST_INCREASE))
+            raised, further = other.raised_on_facets, self._options.stored_before / self._options.stored
+            raised = np.where(raised > 1, further * raised, raised)
+            self._pace = self._of_facets(raised)
         self._notches.clear()
         theirs, mine = other.pair(positions), self.pair(positions)
         _, jacobian, _ = mine.penalty_terms(positions)
@@ -266,7 +269,8 @@ class MortarContact:
         """Stiffen the penalty terms that have missed most: the stiffness of confined walls is more than they were made
         for."""
         slow = self._missed > self._missed.max(initial=0.0) / PENALTY_INCREASE
-        self._pace[slow] = np.minimum(PENALTY_INCREASE * self._pace[slow], MOST_INCREASE)
+        increased = np.minimum(PENALTY_INCREASE * self._pace[slow], MOST_INCREASE)
+        self._pace[slow] = np.maximum(self._pace[slow], increased)
 
     def _applied(self, contact: MortarSet, positions: Array) -> Array:
         applied = np.zeros_like(self.multipliers)
