@@ -40,8 +40,8 @@ def test_points_that_are_deeper_begin_with_one(order):
 
 @pytest.mark.parametrize(("raised", "begun"), [(1.0, 1.0), (100.0, 1000.0), (1e6, 1e7)])
 def test_terms_begin_as_much_stiffer_as_a_penalty_that_is_meant_would_be(raised, begun):
-    """Confined walls are stiffer than the layers that stiffness is derived from, and a penalty that hands over may store
-    ten times as much as one that is meant. They never become softer."""
+    """Confined walls are stiffer than the layers that stiffness is derived from, and a penalty that hands over may
+    store ten times as much as one that is meant. They never become softer."""
     stack = blocks((0.3, 0.17))
     penalty, positions = pressed(stack, 1e-3)
     penalty.recall({"factor": np.full(2, raised), "is_refined": np.zeros(2, dtype=bool)})
