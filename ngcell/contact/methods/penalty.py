@@ -213,8 +213,7 @@ class PenaltyContact:
         self.restart()
 
     def restart(self, *, early: bool = False) -> None:
-        """Take back what was raised; from now on penalty terms adapt, and the rule in good time if it is to be early.
-        """
+        """Take back what was raised; from now on penalty terms adapt, and the rule in good time if that is `early`."""
         self._take_back()
         self._stiffens, self._deep_between = self._may_stiffen, _EARLY if early else self._options.soft
 
@@ -256,8 +255,8 @@ class PenaltyContact:
                 self._is_refined |= group
                 self._search = self._mixed_search()
                 return finer.deepest
-        energy = float(mine.energy.sum())
-        if mine.largest_share <= self._options.soft and energy <= self._options.stored * (stored.of(group) + energy):
+        energy, options = float(mine.energy.sum()), self._options
+        if mine.largest_share <= options.soft and energy <= options.stored * (stored.of(group) + energy):
             return 0.0
         # What a body that has joined the group was not given yet comes first.
         self._factor[group] = np.maximum(self._factor[group], STIFFEN * self._factor[group].min())
@@ -274,8 +273,7 @@ class PenaltyContact:
         """Return the search by the finer rule on bodies that have it, and by the usual one on others."""
         finer = self.walls.halved()
         assert finer is not None
-        is_refined = self._is_refined[self.walls.body]
-        return self.searching(chosen_points(finer, self.walls.quadrature, is_refined))
+        return self.searching(chosen_points(finer, self.walls.quadrature, self._is_refined[self.walls.body]))
 
     def take_multipliers(self, keys: Index, lowered: Array) -> None:
         """Do nothing: there are none."""
