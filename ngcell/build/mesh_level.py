@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
 from math import inf
@@ -240,23 +240,30 @@ class Level(Generic[Scene]):
     def stable(self, found: Refined[Scene]) -> Refined[Scene]:
         """Return a step with its lowest curvature, below a saddle if it rests on one; errors are as before.
 
-        None are known where its curvature is not.
+        None are known where its curvature is not. A tied solid that touches itself below a saddle is in contact there.
         """
         minimum, path = found.accepted.minimum, self._released.path
         is_tied, load = found.accepted.phase == "tied", found.accepted.load_factor
-        minimisers = next(self._tied_at(minimum.state.displacement, load))[1] if is_tied else self._released.minimisers
-        minimiser = minimisers[-1]
-        effort = spent((minimiser,))
         length, options = self._released.longest_step, self.simulation.options.solver
-        self.simulation.renew_budget()
-        try:
-            left = stable(minimiser, minimum, length=length, options=options, path=path)
-        except OutOfIterations:
-            return replace(found, errors=Errors())
+        effort_in_all = found.accepted.effort
+        attempts: Iterable[Attempt] = [((), self._released.minimisers, False)]
+        if is_tied:
+            attempts = self._tied_at(minimum.state.displacement, load)
+        for number, (_, minimisers, _) in enumerate(attempts):
+            effort, left = spent(minimisers[-1:]), minimum
+            self.simulation.renew_budget()
+            try:
+                if number:
+                    left = settled(minimisers[-1:], minimum.state.displacement, length=length, options=options)
+                left = stable(minimisers[-1], left, length=length, options=options, path=path)
+            except OutOfIterations:
+                return replace(found, errors=Errors())
+            effort_in_all = effort_in_all + (spent(minimisers[-1:]) - effort)
+            if not (is_tied and self._passes_itself(minimisers, left, load)):
+                break
         if not left.is_found:
             return replace(found, errors=Errors())
-        effort = found.accepted.effort + (spent((minimiser,)) - effort)
-        return replace(found, accepted=replace(found.accepted, minimum=left, effort=effort))
+        return replace(found, accepted=replace(found.accepted, minimum=left, effort=effort_in_all))
 
 
 def _recall_stiffness(mine: Problem, coarse: Problem) -> None:

@@ -41,7 +41,7 @@ from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.problem import State
 from ngcell.solve.proximal import ProximalTerm
-from ngcell.solve.recentred import at_rest, minimised, pull_over_felt, recentred
+from ngcell.solve.recentred import at_rest, is_too_soft, minimised, pull_over_felt, recentred
 
 Array = NDArray[np.float64]
 
@@ -155,6 +155,9 @@ class Continuation:
             place, magnitude = minimum.state.displacement, minimiser.problem.magnitude(minimum.state)
             _, missed = minimiser.problem.update_multipliers(minimum.state)
             if len(rest) > 1 and weight <= max(options.stiffen_at, options.end):
+                if is_too_soft(minimiser, minimum):
+                    _log.info("contact is too soft to follow this path")
+                    return replace(minimum, ending=Ending.CONDITIONS_MISSED), None
                 rest.pop(0)
                 rest[0].problem.start_from(minimiser.problem, minimum.state)
                 rest[0].adopt_matrix(minimiser)

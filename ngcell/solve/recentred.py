@@ -193,6 +193,15 @@ def pull_over_felt(minimiser: Minimiser, minimum: Minimum, share: float) -> floa
     return max(_largest(pull) / on_body, float(np.linalg.norm(pull.sum(axis=0))) / on_all, of_nodes) / share
 
 
+def is_too_soft(minimiser: Minimiser, minimum: Minimum) -> bool:
+    """Return whether walls overlap by more than a longest step, half of the thinnest wall, at a minimum.
+
+    A point that is past the middle of a wall may be nearer to its far side, and stiffer contact does not bring it back.
+    """
+    _, gaps = minimiser.problem.gaps(minimum.state)
+    return float(gaps.min(initial=0.0)) < -minimiser.longest_step
+
+
 def force_through(forces: Array) -> float:
     """Return the force that goes through bodies from some supports to others, as from one plate to the other.
 

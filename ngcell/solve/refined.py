@@ -59,12 +59,15 @@ def settled(
     Notes
     -----
     Elements that turn out to be folded between the points of a quadrature rule get a finer one, by which they have no
-    energy where they are: it is tried once more from the start.
+    energy where they are: it is tried once more from the start. So it is where they fold on the way, and nothing is
+    found.
     """
     once = partial(
         _settled_once, minimisers, start, softer, length=length, options=options, path=path, share=share
     )
     minimum = once()
+    while minimum.ending is Ending.NO_DESCENT and minimisers[-1].problem.take_finer_rule(minimum.state):
+        minimum = once()
     return once() if minimum.ending is Ending.NO_ENERGY else minimum
 
 

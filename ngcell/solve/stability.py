@@ -88,7 +88,9 @@ def stable_minimum(
         if below is None:
             return replace(minimum, lowest_curvature=curvature / scale)
         _log.info("a saddle is left: energy %.8e, then %.8e", minimum.state.energy, below.state.energy)
-        minimum = until_met(below)
+        saddle, minimum = minimum, until_met(below)
+        if minimum.ending is Ending.NO_ENERGY:  # it was folded between the points of a rule that is finer now
+            minimum = until_met(minimiser.minimise(saddle.state.displacement, saddle.proximal))
     return replace(minimum, ending=Ending.SADDLE)
 
 

@@ -351,6 +351,44 @@ def test_where_a_finer_rule_finds_elements_folded_it_is_tried_once_more_from_the
     assert not is_finer or found.state.displacement[0] <= minimiser.problem.edge
 
 
+def test_where_elements_fold_between_the_points_of_a_rule_and_nothing_is_found_a_finer_one_is_tried():
+    """By the coarse rule there is no energy short of the bottom, and no way down to it."""
+
+    class Folded(Bowl):
+        edge = FAR / 2
+
+        def at(self, displacement: np.ndarray) -> Point:
+            found = super().at(displacement)
+            return replace(found, energy=np.nan) if displacement[0] > self.edge else found
+
+        def take_finer_rule(self, state: Point) -> bool:
+            was_coarse, self.edge = bool(np.isfinite(self.edge)), np.inf
+            return was_coarse
+
+    minimiser = Minimiser(Folded(), 1.0, energy_scale=1.0)
+    found = settled((minimiser,), np.zeros(3), length=1.0, options=SolverOptions())
+    assert found.is_found and found.state.displacement[0] == pytest.approx(FAR)
+
+
+@pytest.mark.parametrize("deepest", [0.5, 2.0])
+def test_a_path_on_which_walls_sink_past_the_middle_of_others_is_not_followed_on(deepest):
+    """The longest step is half of the thinnest wall; contact that is stiffer would find points on wrong sides."""
+
+    class Sunk(Bowl):
+        def gaps(self, state: Point) -> tuple[np.ndarray, np.ndarray]:
+            return np.arange(1), np.array([-deepest * 0.1])
+
+        def start_from(self, before: Bowl, state: Point) -> None:
+            pass
+
+    soft, meant = (Minimiser(Sunk(), 0.1, energy_scale=1.0) for _ in range(2))
+    path, centre = Continuation(1.0, ContinuationOptions().within(0.1)), np.zeros(3)
+    begin = path.begin(soft, centre, centre)
+    found = path.select(begin.state, (soft, meant), centre)
+    assert found.is_found is (deepest < 1)
+    assert (meant.effort.iterations > 0) is (deepest < 1)
+
+
 @pytest.mark.parametrize(("decrement", "ending"), [(1e-13, Ending.CONVERGED), (1e-9, Ending.NO_DESCENT)])
 def test_last_digits_that_are_round_off_may_be_missing_at_a_kink(monkeypatch, decrement, ending):
     options = ContinuationOptions().within(0.1)

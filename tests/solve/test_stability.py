@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from netgen import occ
@@ -10,7 +12,7 @@ from scipy.linalg import eigh
 from ngcell.build.simulation import Simulation
 from ngcell.results.certificate import LIMITS, common_check
 from ngcell.scene import Body, BodyScene, BodySupport, MooneyRivlin
-from ngcell.solve.minimum import Ending
+from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.options import StabilityOptions
 from ngcell.solve.proximal import ProximalTerm
 from ngcell.solve.stability import lowest_mode, stable_minimum
@@ -65,6 +67,21 @@ def test_a_saddle_is_left_and_the_minimum_has_no_negative_curvature():
     assert stable.lowest_curvature > 0
     stuck = StabilityOptions(most_saddles=1)
     assert stable_minimum(minimiser, minimum, lambda below: below, stuck, **lengths).ending is Ending.SADDLE
+
+
+def test_what_lies_below_a_saddle_is_looked_for_again_where_it_was_folded_between_the_points_of_a_rule():
+    built = simulation(0.1)
+    minimiser, minimum = straight(built)
+    energies: list[float] = []
+
+    def met(below: Minimum) -> Minimum:
+        energies.append(below.state.energy)
+        return replace(below, ending=Ending.NO_ENERGY) if len(energies) == 1 else below
+
+    lengths = {"scale": built.continuation.scale, "length": built.longest_step}
+    stable = stable_minimum(minimiser, minimum, met, USUAL, **lengths)
+    assert stable.is_found and stable.state.energy < 0.4 * minimum.state.energy
+    assert energies[1] == pytest.approx(minimum.state.energy)  # by the finer rule it is sought from the saddle
 
 
 def test_the_certificate_tells_a_saddle_from_a_minimum():

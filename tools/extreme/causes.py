@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 _PRESSED = (
-    "A tissue is pressed to a quarter of its area, which is hardly more than its walls have: sides of lumens pass "
-    "through each other at corners."
+    "Walls fill 87 % of the frame, and surfaces of lumens along outer walls shorten to 0.45; such surfaces crease at "
+    "0.65 (Hong, Zhao and Suo 2009). Meshes of order 2, 3, 4 and graded 4 store 4.86, 4.39, 4.26 and 4.21, with an "
+    "error of 9 % on the last, where the energy has a kink: no step leads to its last digits."
 )
 _BUCKLES = (
     "Walls buckle along the axis, in waves that two slices do not resolve: 2, 4 and 8 slices store 0.61, 0.29 and 0.25 "
