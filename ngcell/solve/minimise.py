@@ -228,7 +228,7 @@ class Minimiser:
         lost = max(self.options.round_off * abs(energy), self._noise)
         undamped, matrix = self.assembly.model(state, line, proximal)
         is_last, is_whole = False, undamped.is_bent and self.problem.has_multipliers
-        for _ in range(self.options.most_refusals):
+        for refused in range(self.options.most_refusals):
             model = self.assembly.damped(undamped, damping)
             found, lacking = self._newton.step(model, matrix), self._damper.none
             step, change, slope = found.step, found.change, found.slope
@@ -252,7 +252,8 @@ class Minimiser:
                 if change < 0 and gain > least:
                     if not is_led and gain > self.options.straight * -change:
                         trial, gain = self._farther(state, step, proximal, energy, (trial, gain))
-                    relaxed = self._damper.relaxed(damping, step, slope, lacking, gain / -change)
+                    quality, was_refused = gain / -change, refused > 0
+                    relaxed = self._damper.relaxed(damping, step, slope, lacking, quality, was_refused=was_refused)
                     return Advance(trial, relaxed, found.decrement, is_led and not is_last)
             if not is_convex and is_whole:
                 undamped, is_whole = self.assembly.convex(undamped, state), False
