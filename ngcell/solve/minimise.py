@@ -228,7 +228,8 @@ class Minimiser:
         lost = max(self.options.round_off * abs(energy), self._noise)
         undamped, matrix = self.assembly.model(state, line, proximal)
         is_last, is_whole = False, undamped.is_bent and self.problem.has_multipliers
-        for refused in range(self.options.most_refusals):
+        was_refused = False
+        for _ in range(self.options.most_refusals):
             model = self.assembly.damped(undamped, damping)
             found, lacking = self._newton.step(model, matrix), self._damper.none
             step, change, slope = found.step, found.change, found.slope
@@ -252,13 +253,13 @@ class Minimiser:
                 if change < 0 and gain > least:
                     if not is_led and gain > self.options.straight * -change:
                         trial, gain = self._farther(state, step, proximal, energy, (trial, gain))
-                    quality, was_refused = gain / -change, refused > 0
+                    quality = gain / -change
                     relaxed = self._damper.relaxed(damping, step, slope, lacking, quality, was_refused=was_refused)
                     return Advance(trial, relaxed, found.decrement, is_led and not is_last)
             if not is_convex and is_whole:
                 undamped, is_whole = self.assembly.convex(undamped, state), False
             elif is_convex or found.not_convex is None:
-                damping = self._damper.raised(damping, step, slope, lacking)
+                damping, was_refused = self._damper.raised(damping, step, slope, lacking), True
             else:
                 damping = self._damper.straightened(damping, *found.not_convex)
             self.effort.refusals += 1
