@@ -120,17 +120,10 @@ class Damper:
             before, together = int(together.sum()), together | (coupled @ together > 0)
         return int(at_fault.sum()) < self.options.local * before
 
-    def relaxed(
-        self, damping: Array, step: Array, slope: float, lacking: Array, quality: float, *, was_refused: bool = False
-    ) -> Array:
-        """Return the damping after an accepted step, which falls little where longer ones were refused before it.
-
-        The next step would be refused as they were: in soft fillings, where damping lasts, each refusal is a
-        factorisation. Other parameters as for `raised`.
-        """
-        by = self.options.keep_by if was_refused else self.options.lower_by
+    def relaxed(self, damping: Array, step: Array, slope: float, lacking: Array, quality: float) -> Array:
+        """Return the damping after an accepted step; parameters as for `raised`."""
         unfelt = self.options.unfelt * abs(slope) / np.maximum(self._way(step), np.finfo(float).tiny)
-        lowered = np.where(by * damping > unfelt, by * damping, 0.0)
+        lowered = np.where(self.options.lower_by * damping > unfelt, self.options.lower_by * damping, 0.0)
         if quality >= self.options.fair:
             return lowered
         nudged = np.maximum(self.options.nudge_by * damping, unfelt)

@@ -228,7 +228,6 @@ class Minimiser:
         lost = max(self.options.round_off * abs(energy), self._noise)
         undamped, matrix = self.assembly.model(state, line, proximal)
         is_last, is_whole = False, undamped.is_bent and self.problem.has_multipliers
-        was_refused = False
         for _ in range(self.options.most_refusals):
             model = self.assembly.damped(undamped, damping)
             found, lacking = self._newton.step(model, matrix), self._damper.none
@@ -253,13 +252,12 @@ class Minimiser:
                 if change < 0 and gain > least:
                     if not is_led and gain > self.options.straight * -change:
                         trial, gain = self._farther(state, step, proximal, energy, (trial, gain))
-                    quality = gain / -change
-                    relaxed = self._damper.relaxed(damping, step, slope, lacking, quality, was_refused=was_refused)
+                    relaxed = self._damper.relaxed(damping, step, slope, lacking, gain / -change)
                     return Advance(trial, relaxed, found.decrement, is_led and not is_last)
             if not is_convex and is_whole:
                 undamped, is_whole = self.assembly.convex(undamped, state), False
             elif is_convex or found.not_convex is None:
-                damping, was_refused = self._damper.raised(damping, step, slope, lacking), True
+                damping = self._damper.raised(damping, step, slope, lacking)
             else:
                 damping = self._damper.straightened(damping, *found.not_convex)
             self.effort.refusals += 1

@@ -46,8 +46,8 @@ class MinimiserOptions:
     straight : float
         Multiple of the foreseen decrease above which the energy falls nearly straight on, and longer steps are tried:
         half-way from a curvature as foreseen, 1, to none at all, 2.
-    raise_by, nudge_by, lower_by, keep_by : float
-        Factors of the damping after a refused, a poor and a good step, and after one that followed a refused one.
+    raise_by, nudge_by, lower_by : float
+        Factors of the damping after a refused, a poor and a good step.
     short : float
         Share of a step below which it is not cut to the longest step, but damped in the bodies that go too far.
     local, worthwhile : float, float
@@ -80,7 +80,6 @@ class MinimiserOptions:
     raise_by: float = 8.0
     nudge_by: float = 2.0
     lower_by: float = 0.1
-    keep_by: float = 0.5
     short: float = 0.1
     local: float = 0.5
     worthwhile: float = 10.5

@@ -183,14 +183,6 @@ def test_damping_ends_at_exactly_nothing():
     np.testing.assert_array_equal(damping, 0.0)
 
 
-def test_damping_that_has_just_been_raised_falls_little():
-    damping, step = np.array([1.0, 0.0, 1.0]), np.full(4, 0.1)
-    numbers = {"lower_by": 0.1, "keep_by": 0.5}
-    for was_refused, share in ((False, 0.1), (True, 0.5)):
-        relaxed = damper(**numbers).relaxed(damping, step, -1.0, np.zeros(3), 1.0, was_refused=was_refused)
-        np.testing.assert_allclose(relaxed, share * damping)
-
-
 @pytest.mark.parametrize("start", [0.03, 0.3])
 def test_one_sharp_body_does_not_hold_up_the_others(start):
     def iterations(sharp: int, weight: float) -> int:

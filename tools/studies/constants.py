@@ -55,7 +55,6 @@ CHANGES: dict[str, tuple[float, ...]] = {
     "solver.minimiser.fair": (0.1, 0.5),
     "solver.minimiser.raise_by": (4.0, 16.0),
     "solver.minimiser.lower_by": (0.05, 0.2),
-    "solver.minimiser.keep_by": (0.3, 1.0),
     "solver.minimiser.short": (0.03, 0.3),
     "solver.minimiser.felt": (0.05, 0.2),
     "solver.minimiser.unfelt": (1e-5, 1e-3),
