@@ -41,6 +41,7 @@ at sharp corners, so three cells that meet at a corner have three conditions on 
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,6 +60,7 @@ from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
 from ngcell.contact.pairing.near import Reach, adjacency, facing
 from ngcell.contact.pairing.pairs import ContactPairs, joined
 from ngcell.contact.pairing.search import PairSearch
+from ngcell.contact.pairing.wall_ends import WallEnds
 from ngcell.contact.surface.edges import EdgeSurface
 from ngcell.contact.surface.surface import Surface, SurfacePoints
 from ngcell.mechanics.stored import StoredEnergy
@@ -164,9 +166,13 @@ class MortarContact:
     def _point_row(self, point: Index, body: Index) -> Index:
         return self.space.size + point * self._bodies + body
 
-    def _cuts(self, ends: ContactPairs, rows: Index, positions: Array, nodes: Array) -> Cuts:
+    @cached_property
+    def _ends(self) -> WallEnds:
         assert isinstance(self.walls, EdgeSurface)  # others have no cuts
-        ways = wall_ends(self.walls)
+        return wall_ends(self.walls)
+
+    def _cuts(self, ends: ContactPairs, rows: Index, positions: Array, nodes: Array) -> Cuts:
+        ways = self._ends
         projected = replace(ends, primary_xi=ways.projected(ends.primary, ends.primary_xi))
         (slope,) = self.walls.tangents(projected.primary, projected.primary_xi, nodes)
         kinematics, before = (gap_kinematics(self.walls, pairs, positions) for pairs in (ends, projected))
