@@ -90,9 +90,7 @@ def _tissue(case: Case) -> Discretisation:
     steady = lumen is not None and keeps_volume(lumen)
     motion, tractions = motion_of(load, space, keeps_volume=steady), load.tractions()
     directions = None if wall.fibres is None else _wall_directions(bodies)
-    terms: list[Term] = [
-        BodyEnergy(space, (wall,) * bodies.body_count, directions, may_miss=_may_miss(case.accuracy))
-    ]
+    terms: list[Term] = [BodyEnergy(space, (wall,) * bodies.body_count, directions, **_rule(case.accuracy))]
     if lumen is not None:
         terms += lumen.terms(space, motion, tissue, wall)
     if tractions:
@@ -108,9 +106,11 @@ def _tissue(case: Case) -> Discretisation:
     )
 
 
-def _may_miss(accuracy: float) -> float:
-    """Return the share of the stored energy that a rule may miss: less than what is asked for, and than what passes."""
-    return min(accuracy, LIMITS["quadrature_error"]) * _OF_RULE
+def _rule(accuracy: float) -> dict[str, float]:
+    """Return the shares of the stored energy that a rule may miss: less than what is asked for, and than what passes;
+    and that with which no answer passes."""
+    passes = LIMITS["quadrature_error"]
+    return {"may_miss": min(accuracy, passes) * _OF_RULE, "refused": passes}
 
 
 def _wall_directions(bodies: BodyMesh) -> Array:
@@ -149,9 +149,7 @@ def _bodies(scene: BodyScene) -> Discretisation:
     ]
     moving = [support for support in given if support.moves]
     motion, laws = PrescribedMotion(space, supports), tuple(body.material for body in scene.bodies)
-    terms: list[Term] = [
-        BodyEnergy(space, laws, _fibre_directions(scene, bodies), may_miss=_may_miss(scene.accuracy))
-    ]
+    terms: list[Term] = [BodyEnergy(space, laws, _fibre_directions(scene, bodies), **_rule(scene.accuracy))]
     if scene.loads:
         terms.append(AppliedLoads(space, scene.loads, motion))
     return Discretisation(

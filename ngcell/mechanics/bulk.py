@@ -48,6 +48,8 @@ class BodyEnergy(SymbolicTerm):
     may_miss : float
         Share of the stored energy that the rule may miss where elements are squeezed flat, before a finer one follows.
         At inf the rule stays.
+    refused : float
+        Share beyond which an answer is refused: a finer rule then follows wherever the energy is missed.
     mixed : sequence of bool, optional
         Bodies with the volumetric energy of the mixed method; by default those that are nearly incompressible, where
         the elements allow it.
@@ -61,10 +63,12 @@ class BodyEnergy(SymbolicTerm):
         *,
         extra_degrees: int = 0,
         may_miss: float = inf,
+        refused: float = inf,
         mixed: Sequence[bool] | None = None,
     ) -> None:
         self.space, self.laws = space, tuple(laws)
         self._direction, self._extra, self._may_miss = fibre_direction, extra_degrees, may_miss
+        self._refused = refused
         self._rank = 0
         if mixed is None:
             mixed = [is_incompressible(law) for law in self.laws]
@@ -107,14 +111,15 @@ class BodyEnergy(SymbolicTerm):
         squeezed flat, and it misses too much energy; tell whether that is so.
 
         They do so in sharp corners that close, and store nothing for it. What a rule misses of volumes that hardly
-        change is none of that: there a finer one locks.
+        change is none of that: there a finer one locks. An answer that locks is better than one that is refused.
         """
         if self._rank >= _FINEST or not isfinite(self._may_miss):
             return False
         found, finer = self.value(at), self.finer_form
         assert finer is not None  # bodies have one
-        is_enough = abs(finer.energy(at.displacement) - found) <= self._may_miss * abs(found)
-        if not self._has_less_volume(at.displacement, 0.0 if is_enough else _FLAT):
+        missed = abs(finer.energy(at.displacement) - found)
+        share = 0.0 if missed <= self._may_miss * abs(found) else _FLAT
+        if not missed > self._refused * abs(found) and not self._has_less_volume(at.displacement, share):
             return False
         self._rank += 1
         return True
@@ -187,7 +192,8 @@ class BodyEnergy(SymbolicTerm):
     def softened(self, ratio: float) -> BodyEnergy:
         """Return the energy with bulk moduli of at most `ratio` times the shear moduli."""
         softer = [law.softened(ratio) for law in self.laws]
-        return BodyEnergy(self.space, softer, self._direction, may_miss=self._may_miss, mixed=self.mixed)
+        shares = {"may_miss": self._may_miss, "refused": self._refused}
+        return BodyEnergy(self.space, softer, self._direction, mixed=self.mixed, **shares)
 
 
 class InclusionEnergy(SymbolicTerm):

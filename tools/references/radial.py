@@ -25,7 +25,7 @@ from typing import Any
 import click
 import numpy as np
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
+from scipy.optimize import brentq, newton
 
 from tools.commands import described
 
@@ -126,7 +126,7 @@ def ring_with_free_rim(solid: RadialSolid, driven: float, radius: float, free: f
     def load_at_rim(stretch: float) -> float:
         return _pressure(solid, free, *_march(solid, driven, free, radius, stretch))
 
-    stretch = brentq(load_at_rim, 0.7 * isochoric, 1.4 * isochoric, xtol=1e-14)
+    stretch = newton(load_at_rim, isochoric, tol=1e-14)  # by secants: the load is nearly linear in the stretch
     rim, _ = _march(solid, driven, free, radius, stretch)
     load = _pressure(solid, driven, radius, stretch)
     if driven < free:

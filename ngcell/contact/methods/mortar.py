@@ -53,9 +53,8 @@ from ngcell.contact.methods.integration import integration, wall_ends
 from ngcell.contact.methods.mortar_set import MortarSet
 from ngcell.contact.methods.multipliers import MultiplierSpace, constrained_points, sagitta
 from ngcell.contact.methods.notches import Notches, extended
-from ngcell.contact.methods.penalty import PenaltyContact
 from ngcell.contact.methods.pressures_alike import nodal_forces, pressures_alike
-from ngcell.contact.methods.protocol import ContactMethod, ContactSet
+from ngcell.contact.methods.protocol import Adapting, ContactMethod, ContactSet
 from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
 from ngcell.contact.pairing.near import Reach, adjacency, facing
 from ngcell.contact.pairing.pairs import ContactPairs, joined
@@ -132,7 +131,7 @@ class MortarContact:
         self._integration.renew(nodes)
         self._allowance = self._allowed(nodes)
         self._pace, self.multipliers = np.ones_like(self._weight), np.zeros_like(self._weight)
-        if isinstance(other, PenaltyContact):
+        if isinstance(other, Adapting):
             raised, further = other.raised_on_facets, self._options.stored_before / self._options.stored
             raised = np.where(raised > 1, further * raised, raised)
             self._pace = self._of_facets(raised)

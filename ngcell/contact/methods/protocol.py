@@ -78,6 +78,10 @@ class Adapting(Protocol):
     def raised(self) -> float:
         """Largest factor by which penalty terms that were too soft have been made stiffer."""
 
+    @property
+    def raised_on_facets(self) -> Array:
+        """By how much, shape (facets,)."""
+
     def stiffen(self) -> bool:
         """Make all penalty terms stiffer, and tell whether they may be any stiffer."""
 
