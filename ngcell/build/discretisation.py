@@ -5,6 +5,7 @@ A tissue, user-defined bodies of a case and those of a script differ in this onl
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -90,7 +91,7 @@ def _tissue(case: Case) -> Discretisation:
     steady = lumen is not None and keeps_volume(lumen)
     motion, tractions = motion_of(load, space, keeps_volume=steady), load.tractions()
     directions = None if wall.fibres is None else _wall_directions(bodies)
-    terms: list[Term] = [BodyEnergy(space, (wall,) * bodies.body_count, directions, **_rule(case.accuracy))]
+    terms = [_stored_energy(space, (wall,) * bodies.body_count, directions, case.accuracy)]
     if lumen is not None:
         terms += lumen.terms(space, motion, tissue, wall)
     if tractions:
@@ -106,11 +107,12 @@ def _tissue(case: Case) -> Discretisation:
     )
 
 
-def _rule(accuracy: float) -> dict[str, float]:
-    """Return the shares of the stored energy that a rule may miss: less than what is asked for, and than what passes;
-    and that with which no answer passes."""
+def _stored_energy(
+    space: DisplacementSpace, laws: Sequence[HyperelasticLaw], directions: Array | None, accuracy: float
+) -> Term:
+    """Return the stored energy of the bodies. Rules may miss less of it than is asked for, and than what passes."""
     passes = LIMITS["quadrature_error"]
-    return {"may_miss": min(accuracy, passes) * _OF_RULE, "refused": passes}
+    return BodyEnergy(space, laws, directions, may_miss=min(accuracy, passes) * _OF_RULE, refused=passes)
 
 
 def _wall_directions(bodies: BodyMesh) -> Array:
@@ -149,7 +151,7 @@ def _bodies(scene: BodyScene) -> Discretisation:
     ]
     moving = [support for support in given if support.moves]
     motion, laws = PrescribedMotion(space, supports), tuple(body.material for body in scene.bodies)
-    terms: list[Term] = [BodyEnergy(space, laws, _fibre_directions(scene, bodies), **_rule(scene.accuracy))]
+    terms = [_stored_energy(space, laws, _fibre_directions(scene, bodies), scene.accuracy)]
     if scene.loads:
         terms.append(AppliedLoads(space, scene.loads, motion))
     return Discretisation(

@@ -192,8 +192,8 @@ class BodyEnergy(SymbolicTerm):
     def softened(self, ratio: float) -> BodyEnergy:
         """Return the energy with bulk moduli of at most `ratio` times the shear moduli."""
         softer = [law.softened(ratio) for law in self.laws]
-        shares = {"may_miss": self._may_miss, "refused": self._refused}
-        return BodyEnergy(self.space, softer, self._direction, mixed=self.mixed, **shares)
+        given = self.space, softer, self._direction
+        return BodyEnergy(*given, may_miss=self._may_miss, refused=self._refused, mixed=self.mixed)
 
 
 class InclusionEnergy(SymbolicTerm):
