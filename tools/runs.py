@@ -56,6 +56,11 @@ class Ended:
         """Return the last line that it wrote about itself."""
         return (self.err.strip().splitlines() or [otherwise])[-1]
 
+    @property
+    def is_late(self) -> bool:
+        """Whether time ran out, that of the process or that of ``--max-minutes``."""
+        return self.timed_out or "--max-minutes" in self.last_words("").partition(";")[0]
+
 
 def ended(*words: str, timeout: float = float("inf")) -> Ended:
     """Run ``python -m WORDS`` on this working copy, with one thread for dense blocks, and return how it ended."""

@@ -25,16 +25,17 @@ from tools.runs import sources
 @described(__doc__)
 @click.option("--quick", is_flag=True, help="Some forty points, and no figure.")
 @click.option("--timeout", default=120.0, show_default=True, help="Seconds on the clock for one run.")
-@click.option("--only", default="", help="Points whose label has this text.")
+@click.option("--only", default="", help="Points whose label has this text; rows of others stay.")
 @click.option("--report-only", is_flag=True, help="Write table and figure of the rows that are there.")
 def command(quick: bool, timeout: float, only: str, report_only: bool) -> None:
     """Run and report."""
     file = RESULTS / ("extreme-quick.csv" if quick else "extreme.csv")
     chosen = [point for point in points() if point.is_quick or not quick]
     code = sources()
-    rows = known(file, None if report_only else code)
+    rows = known(file, None if report_only or only else code)  # those of other sources stay where few are asked for
     for point in sorted(chosen, key=lambda point: (not point.is_quick, bool(point.perturbed_from))):
-        if report_only or point.label in rows or only not in point.label:
+        is_made = point.label in rows and rows[point.label].code == code
+        if report_only or is_made or only not in point.label:
             continue
         rows[point.label] = row = solve(point, timeout, code)
         compare(point, rows)

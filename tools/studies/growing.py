@@ -62,7 +62,7 @@ def measured(case: str, sets: Iterable[str], accuracy: float, minutes: float) ->
         summary, released = summary_in(folder), released_rows(folder)
     row |= {"GiB": f"{run.peak_mb / 1024:.2f}", "seconds": f"{run.processor:.0f}"}
     said = run.last_words("no words").partition(";")[0]
-    row |= {"outcome": summary.get("outcome") or (_LATE if run.timed_out or "--max-minutes" in said else said)}
+    row |= {"outcome": summary.get("outcome") or (_LATE if run.is_late else said)}
     row |= {column: summary.get(column, "") for column in ("iterations", "factorisations", "refused")}
     row["meshes"] = len(summary.get("meshes", ())) or ""
     phases = summary.get("seconds", {}).get("processor_by_phase", {})

@@ -118,8 +118,7 @@ def found(run: Ended, summary: Mapping[str, Any]) -> dict[str, object]:
     ran: dict[str, object] = {"seconds": f"{run.clock:.0f}"}
     if run.timed_out or summary.get("status") != "finished":
         words = "ended from outside" if run.timed_out else run.last_words("no words").partition(";")[0]
-        is_late = run.timed_out or "--max-minutes" in words
-        return ran | {"outcome": UNFINISHED if is_late else FAILED, "reason": f"{words}{_got_to(run.err)}"}
+        return ran | {"outcome": UNFINISHED if run.is_late else FAILED, "reason": f"{words}{_got_to(run.err)}"}
     last = summary["last_step"]
     if not last or last["phase"] == "tied" or last["load_factor"] < 1:
         until = f" after load factor {last['load_factor']:.3g}" if last else ""
