@@ -98,7 +98,6 @@ def _box(name: str, low: tuple[float, float, float], size: tuple[float, float, f
     return Body(solid, MooneyRivlin(c1=0.25, c2=0.25, bulk_modulus=10.0), name)
 
 
-@cache
 def _pair_of_solids(far_height: float, accuracy: float) -> tuple[float, float]:
     """Return normal force and mean gap of two boxes beside a third one of a height, or none."""
     bodies = [_box("lower", (0, 0, 0), (1, 1, 1)), _box("upper", (-0.1, 0.1, 1), (0.7, 0.7, 0.7))]
@@ -111,7 +110,6 @@ def _pair_of_solids(far_height: float, accuracy: float) -> tuple[float, float]:
     return wall.normal_force, wall.mean_gap
 
 
-@pytest.mark.parametrize(("height", "accuracy"), [(0.2, inf), (0.2, 0.15)])
-def test_a_far_solid_changes_nothing(height: float, accuracy: float) -> None:
+def test_a_far_solid_changes_nothing() -> None:
     """At a finite accuracy one that is thin limited the steps of all, and moved the force by 0.3 %."""
-    assert _pair_of_solids(height, accuracy) == pytest.approx(_pair_of_solids(0.0, accuracy), rel=1e-8)
+    assert _pair_of_solids(0.2, accuracy=0.15) == pytest.approx(_pair_of_solids(0.0, accuracy=0.15), rel=1e-8)

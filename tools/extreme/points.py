@@ -48,7 +48,6 @@ QUICK: tuple[str, ...] = (
     "c2 / c1: 10",
     "c2 / c1: 100",
     "shear: 1 frame, penalty",
-    "shear: -2 frame, penalty",
     "compression: 0.9 plates, penalty",
     "overlap and gap: gap 0.5, mortar",
     "compression: 0.9 plates, mortar",
