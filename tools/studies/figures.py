@@ -6,8 +6,9 @@
     python -m tools.studies figures fibres                      docs/gap-fibres-3x3.png
     python -m tools.studies figures free                        docs/pressure-free.png
 
-A curve is a pressure, an inclusion or a model of a filled cell. Rows go to `tools/results/figures.csv`; runs that
-have rows are not repeated. The onset of a curve in the mean gap is the plate displacement at which that reaches 5 %
+A curve is a pressure, an inclusion or a model of a filled cell, with a band of its estimated errors at the default
+accuracy. Rows go to `tools/results/figures.csv`; runs that have rows are not repeated, unless `--again` is given and
+other sources made them. The onset of a curve in the mean gap is the plate displacement at which that reaches 5 %
 of the wall, as everywhere; in the largest gap that at which it reaches the wall's thickness; in parted pairs that at
 which half of all pairs have parted. Curves are straight between levels.
 """
@@ -15,7 +16,9 @@ which half of all pairs have parted. Curves are straight between levels.
 from __future__ import annotations
 
 import math
+import shutil
 from statistics import fmean
+from typing import Any
 
 import click
 import numpy as np
@@ -26,13 +29,14 @@ from ngcell.export import draw_tissue
 from tools import tables
 from tools.commands import described
 from tools.places import DOCS, RESULTS
+from tools.runs import sources
 from tools.sheared import TISSUES, fibres, inclusions, pressures, run_of
 
 TABLE = RESULTS / "figures.csv"
 COLUMNS = (
     "tissue", "case", "setting", "strategy", "pairs", "displacement", "largest_gap", "mean_gap", "parted_pairs",
     "opened_share", "components", "largest_component", "mean_pressure", "plate_force", "contact_force", "energy",
-    "certified", "failures", "seconds",
+    "largest_gap_error", "mean_gap_error", "plate_force_error", "energy_error", "certified", "failures", "seconds", "code",
 )  # fmt: skip
 WALL = 0.1
 #: What counts as onset: a gap, or a share of all pairs.
@@ -58,7 +62,7 @@ def rows_of(tissue: str, case: str, setting: str, strategy: str) -> list[dict[st
     pressure: dict[str, list[float]] = {}
     for cell in tables.read(run.folder / "cells.csv"):
         pressure.setdefault(cell["step"], []).append(float(cell["pressure"]))
-    key = {"tissue": tissue, "case": case, "setting": setting, "strategy": strategy}
+    key = {"tissue": tissue, "case": case, "setting": setting, "strategy": strategy, "code": sources()}
     failures = run.summary["failed_steps"]
     click.echo(f"{tissue} {case} {setting} {strategy}: {outcome}", err=True)
     return [
@@ -77,18 +81,22 @@ def level_row(row: dict[str, str]) -> dict[str, str]:
     """Return the numbers of a level."""
     same = (
         "largest_gap", "mean_gap", "parted_pairs", "opened_share", "components", "largest_component", "contact_force",
-        "energy", "certified", "seconds",
+        "energy", "largest_gap_error", "mean_gap_error", "plate_force_error", "energy_error", "certified", "seconds",
     )  # fmt: skip
     named = {"displacement": "plate_displacement", "plate_force": "plate_force_x"}
     return {name: row[name] for name in same} | {name: row[old] for name, old in named.items()}
 
 
-def compute(name: str, tissue: str, strategy: str) -> None:
-    """Run what has no rows yet."""
+def compute(name: str, tissue: str, strategy: str, *, again: bool) -> None:
+    """Run what has no rows yet, and what other sources have made if it is to be made again."""
     for case, setting, _ in CURVES[name]:
-        done = {(row["tissue"], row["case"], row["setting"], row["strategy"]) for row in tables.read(TABLE)}
-        if (tissue, case, setting, strategy) not in done:
-            tables.append(TABLE, COLUMNS, rows_of(tissue, case, setting, strategy))
+        key = {"tissue": tissue, "case": case, "setting": setting, "strategy": strategy}
+        rows: list[dict[str, Any]] = [*tables.read(TABLE)]
+        known = [row for row in rows if key.items() <= row.items()]
+        if not known or (again and any(row["code"] != sources() for row in known)):
+            shutil.rmtree(run_of(tissue, case, setting, strategy).folder, ignore_errors=True)  # a run is kept
+            others = [row for row in rows if row not in known]
+            tables.write(TABLE, COLUMNS, [*others, *rows_of(tissue, case, setting, strategy)])
 
 
 def onset(rows: list[dict[str, str]], measure: str) -> float:
@@ -121,6 +129,9 @@ def draw(name: str, tissue: str) -> None:
             y = [0.0, *(float(row[measure]) for row in rows)]
             colour = "black" if case == EMPTY[0] else f"C{number - 1}"
             axes.plot(x, y, ".-", color=colour, label=label, linewidth=1.5)
+            errors = [0.0, *(float(row.get(f"{measure}_error") or 0.0) for row in rows)]
+            low, high = np.subtract(y, errors), np.add(y, errors)
+            axes.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
             axes.plot(onsets[measure], np.interp(onsets[measure], x, y), "o", color=colour, markersize=8, mfc="none")
     for measure, axes in panels.items():
         axes.set(xlabel="plate displacement", ylabel=measures[measure], ylim=(0, None))
@@ -143,12 +154,13 @@ def draw_free() -> None:
 @described(__doc__)
 @click.argument("name", type=click.Choice([*CURVES, "free"]))
 @click.option("--tissue", default="3x3", show_default=True, type=click.Choice(list(TISSUES)))
+@click.option("--again", is_flag=True, help="Make rows of other sources again.")
 @click.option("--strategy", default="sddp", show_default=True, type=click.Choice(["sddp", "single-step"]))
-def command(name: str, tissue: str, strategy: str) -> None:
+def command(name: str, tissue: str, again: bool, strategy: str) -> None:
     """Draw one of the figures; the curves are those of sddp, single-step runs go to the table only."""
     if name == "free":
         draw_free()
         return
-    compute(name, tissue, strategy)
+    compute(name, tissue, strategy, again=again)
     if strategy == "sddp":
         draw(name, tissue)
