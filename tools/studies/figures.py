@@ -36,7 +36,8 @@ TABLE = RESULTS / "figures.csv"
 COLUMNS = (
     "tissue", "case", "setting", "strategy", "pairs", "displacement", "largest_gap", "mean_gap", "parted_pairs",
     "opened_share", "components", "largest_component", "mean_pressure", "plate_force", "contact_force", "energy",
-    "largest_gap_error", "mean_gap_error", "plate_force_error", "energy_error", "certified", "failures", "seconds", "code",
+    "largest_gap_error", "mean_gap_error", "plate_force_error", "energy_error", "certified", "failures", "seconds",
+    "code",
 )  # fmt: skip
 WALL = 0.1
 #: What counts as onset: a gap, or a share of all pairs.
