@@ -1,22 +1,24 @@
-"""Stored energy of the bodies, one symbolic energy a material, and of what fills lumens.
+"""Stored energy of the bodies, one symbolic energy a material.
 
-What fills lumens is nearly incompressible, and would lock: its volumetric energy is that of the mixed method. So is
-that of walls whose bulk modulus is above `ngcell.mechanics.mixed.INCOMPRESSIBLE` shear moduli.
+The volumetric energy of walls whose bulk modulus is above `ngcell.mechanics.mixed.INCOMPRESSIBLE` shear moduli is that
+of the mixed method.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from math import inf, isfinite
 
 import ngsolve
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.geometry.bodies import FILLING
-from ngcell.mechanics.laws.law import HyperelasticLaw, in_three_dimensions
+from ngcell.mechanics.laws.law import HyperelasticLaw
 from ngcell.mechanics.lobatto import lobatto_across
 from ngcell.mechanics.mixed import can_be_mixed, is_incompressible, reduced_measure
+from ngcell.mechanics.per_body import in_bodies
+from ngcell.mechanics.report import SMALL_STRAIN
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.symbolic import Integrals, Rule, SymbolicTerm, more_degrees
 from ngcell.mechanics.term import Configuration, Index, Term
@@ -119,10 +121,17 @@ class BodyEnergy(SymbolicTerm):
         assert finer is not None  # bodies have one
         missed = abs(finer.energy(at.displacement) - found)
         share = 0.0 if missed <= self._may_miss * abs(found) else _FLAT
-        if not missed > self._refused * abs(found) and not self._has_less_volume(at.displacement, share):
+        is_refused = missed > self._refused * max(abs(found), self._hardly_stored)
+        if not is_refused and not self._has_less_volume(at.displacement, share):
             return False
         self._rank += 1
         return True
+
+    @cached_property
+    def _hardly_stored(self) -> float:
+        """What walls of the softest law store when they are hardly strained [energy]."""
+        volume = float(self.space.one @ self.space.scalar_mass @ self.space.one)
+        return SMALL_STRAIN**2 * min(law.shear_modulus for law in self.laws) * volume
 
     def _has_less_volume(self, displacement: Array, share: float) -> bool:
         """Return whether J = det F is below a share at a point of the next rule, or of that which judges this one."""
@@ -176,7 +185,7 @@ class BodyEnergy(SymbolicTerm):
 
     def stored_in_bodies(self, at: Configuration) -> Array:
         """Return what each body stores [energy], shape (bodies,)."""
-        return _in_bodies(self, at)
+        return in_bodies(self, at)
 
     @property
     def incompressibility(self) -> float:
@@ -194,102 +203,6 @@ class BodyEnergy(SymbolicTerm):
         softer = [law.softened(ratio) for law in self.laws]
         given = self.space, softer, self._direction
         return BodyEnergy(*given, may_miss=self._may_miss, refused=self._refused, mixed=self.mixed)
-
-
-class InclusionEnergy(SymbolicTerm):
-    """Stored energy of what fills the lumens.
-
-    The isochoric part is integrated by Gauss-Lobatto rules across a cell, as exact as the usual Gauss rules. What is
-    soft and keeps its volume on average would fold in a sharp corner of the lumen, where Gauss points see nothing; at
-    the corner's own point its energy grows without bounds.
-
-    Parameters
-    ----------
-    space : DisplacementSpace
-        The unknowns.
-    law : HyperelasticLaw
-        Its law, with an isochoric and a volumetric part.
-    extra_degrees : int
-        Degrees that the rule of the isochoric part integrates exactly besides the usual ones.
-    """
-
-    def __init__(self, space: DisplacementSpace, law: HyperelasticLaw, *, extra_degrees: int = 0) -> None:
-        self.space, self.law, self._extra = space, law, extra_degrees
-
-    def integrals(self, displacement: ngsolve.CoefficientFunction) -> Integrals:
-        """Return the isochoric energy, and the volumetric one by a reduced rule."""
-        gradient = ngsolve.Id(self.space.dimension) + ngsolve.Grad(displacement)
-        isochoric, volumetric = (part.Compile() for part in self.law.energy_parts(gradient))
-        return [isochoric * self._full_measure, volumetric * reduced_measure(self.space, FILLING)]
-
-    @property
-    def _full_measure(self) -> ngsolve.comp.DifferentialSymbol:
-        """The measure of the isochoric part."""
-        region = self.space.mesh.Materials(FILLING)
-        if self._extra:
-            return ngsolve.dx(definedon=region, bonus_intorder=self._extra)
-        return ngsolve.dx(definedon=region, intrules=lobatto_across(self.space.order))
-
-    def finer(self, extra_degrees: int) -> InclusionEnergy:
-        """Return the energy with its isochoric part by a rule of higher order.
-
-        The reduced rule of the volumetric part stays: it is no approximation of an integral, but the mixed method.
-        """
-        return InclusionEnergy(self.space, self.law, extra_degrees=extra_degrees)
-
-    def stress(self, gradient: Array, element: Index) -> Array:
-        """Return the Cauchy stress [stress], shape (n, 3, 3); zero in walls."""
-        stress, is_filling = np.zeros_like(gradient), self.space.bodies.is_filling
-        assert is_filling is not None
-        mine = np.flatnonzero(is_filling[element])
-        stress[mine] = self.law.cauchy_stress(gradient[mine])
-        return stress
-
-    def stored_in_bodies(self, at: Configuration) -> Array:
-        """Return what the filling of each lumen stores [energy], shape (bodies,)."""
-        return _in_bodies(self, at)
-
-    @property
-    def incompressibility(self) -> float:
-        """Ratio of bulk to shear modulus."""
-        return self.law.bulk_modulus / self.law.shear_modulus
-
-    @property
-    def mixed_incompressibility(self) -> float:
-        """The same: what fills lumens is always mixed."""
-        return self.incompressibility
-
-    def softened(self, ratio: float) -> InclusionEnergy:
-        """Return the energy with a bulk modulus of at most `ratio` times the shear modulus."""
-        return InclusionEnergy(self.space, self.law.softened(ratio))
-
-    def cell_fields(self, at: Configuration, load_factor: float) -> dict[str, Array]:
-        """Return the mean pressure ``-trace(sigma) / 3`` over the deformed volume of each lumen [stress].
-
-        With ``J sigma = dW/dF F^T`` it is ``-dW/dF : F / 3`` over the reference volume, each part of W by the rule that
-        it is integrated with.
-        """
-        space = self.space
-        planar = ngsolve.Id(space.dimension) + ngsolve.Grad(space.function(at.displacement))
-        gradient = in_three_dimensions(planar).MakeVariable()
-        reduced = reduced_measure(space, FILLING)
-        rules = [self._full_measure, reduced]
-        parts = [part.Diff(gradient) for part in self.law.energy_parts(gradient)]
-        works = [ngsolve.InnerProduct(part, gradient) * rule for part, rule in zip(parts, rules, strict=True)]
-        volume = _by_body(space, ngsolve.Det(gradient) * reduced)
-        work = -sum(_by_body(space, work) for work in works) / 3
-        return {"cell_pressure": np.divide(work, volume, out=np.zeros_like(volume), where=volume != 0)}
-
-
-def _in_bodies(term: SymbolicTerm, at: Configuration) -> Array:
-    """Return what integrals over elements add up to in each body, shape (bodies,)."""
-    found = term.integrals(term.space.function(at.displacement))
-    return np.asarray(sum(_by_body(term.space, each) for each in found))
-
-
-def _by_body(space: DisplacementSpace, integral: ngsolve.comp.SumOfIntegrals) -> Array:
-    values, body = np.array(ngsolve.Integrate(integral, space.mesh, element_wise=True)), space.bodies.body_of_element
-    return np.asarray(np.bincount(body, values, space.body_count), dtype=float)
 
 
 def _by_element(space: DisplacementSpace, values: Array) -> tuple[ngsolve.GridFunction, ...]:

@@ -11,7 +11,8 @@ from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.rings import sweep
 from ngcell.geometry.sections import ring_mesh
 from ngcell.mechanics.applied.potential import AppliedLoads
-from ngcell.mechanics.bulk import BodyEnergy, InclusionEnergy
+from ngcell.mechanics.bulk import BodyEnergy
+from ngcell.mechanics.inclusion import InclusionEnergy
 from ngcell.mechanics.laws.custom import CustomLaw
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.space import DisplacementSpace

@@ -9,7 +9,7 @@ from netgen.meshing import Mesh
 
 from ngcell.geometry.bodies import FILLING, BodyMesh
 from ngcell.mechanics.applied.potential import AppliedLoads
-from ngcell.mechanics.bulk import InclusionEnergy
+from ngcell.mechanics.inclusion import InclusionEnergy
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support

@@ -16,8 +16,9 @@ from ngcell.contact.methods.terms import CohesionTerm, ContactTerm
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.sections import ring_mesh
 from ngcell.mechanics.applied.potential import AppliedLoads
-from ngcell.mechanics.bulk import BodyEnergy, InclusionEnergy
+from ngcell.mechanics.bulk import BodyEnergy
 from ngcell.mechanics.fluid import LumenFluids
+from ngcell.mechanics.inclusion import InclusionEnergy
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion

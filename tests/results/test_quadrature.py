@@ -9,7 +9,8 @@ import pytest
 from ngcell.build.simulation import Simulation
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.sections import ring_mesh
-from ngcell.mechanics.bulk import BodyEnergy, InclusionEnergy
+from ngcell.mechanics.bulk import BodyEnergy
+from ngcell.mechanics.inclusion import InclusionEnergy
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.results.equilibrium import numbers_of

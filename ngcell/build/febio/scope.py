@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from ngcell.errors import CaseError
 from ngcell.mechanics.applied.potential import AppliedLoads
-from ngcell.mechanics.bulk import BodyEnergy, InclusionEnergy
+from ngcell.mechanics.bulk import BodyEnergy
 from ngcell.mechanics.fluid import LumenFluids
+from ngcell.mechanics.inclusion import InclusionEnergy
 from ngcell.mechanics.laws.fibres import ExponentialFibres, QuadraticFibres
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.lumens.fluid import Fluid

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import field_validator
 
 from ngcell.geometry.tissues.protocol import TissueGeometry
-from ngcell.mechanics.bulk import InclusionEnergy
+from ngcell.mechanics.inclusion import InclusionEnergy
 from ngcell.mechanics.laws.law import HyperelasticLaw
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion
