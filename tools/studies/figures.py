@@ -94,7 +94,7 @@ def compute(name: str, tissue: str, strategy: str, *, again: bool) -> None:
         key = {"tissue": tissue, "case": case, "setting": setting, "strategy": strategy}
         rows: list[dict[str, Any]] = [*tables.read(TABLE)]
         known = [row for row in rows if key.items() <= row.items()]
-        if not known or (again and any(row["code"] != sources() for row in known)):
+        if not known or (again and any(row.get("code") != sources() for row in known)):
             shutil.rmtree(run_of(tissue, case, setting, strategy).folder, ignore_errors=True)  # a run is kept
             others = [row for row in rows if row not in known]
             tables.write(TABLE, COLUMNS, [*others, *rows_of(tissue, case, setting, strategy)])
