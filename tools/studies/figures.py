@@ -6,11 +6,11 @@
     python -m tools.studies figures fibres                      docs/gap-fibres-3x3.png
     python -m tools.studies figures free                        docs/pressure-free.png
 
-A curve is a pressure, an inclusion or a model of a filled cell, with a band of its estimated errors at the default
-accuracy. Rows go to `tools/results/figures.csv`; runs that have rows are not repeated, unless `--again` is given and
-other sources made them. The onset of a curve in the mean gap is the plate displacement at which that reaches 5 %
-of the wall, as everywhere; in the largest gap that at which it reaches the wall's thickness; in parted pairs that at
-which half of all pairs have parted. Curves are straight between levels.
+A curve is a pressure, an inclusion or a model of a filled cell, with a band of its estimated errors at the accuracy of
+the shipped cases; crosses are levels that are not certified. Rows go to `tools/results/figures.csv`; runs that have
+rows are not repeated, unless `--again` is given and other sources made them. The onset of a curve in the mean gap is
+the plate displacement at which that reaches 5 % of the wall, as everywhere; in the largest gap that at which it reaches
+the wall's thickness; in parted pairs that at which half of all pairs have parted. Curves are straight between levels.
 """
 
 from __future__ import annotations
@@ -130,6 +130,8 @@ def draw(name: str, tissue: str) -> None:
             y = [0.0, *(float(row[measure]) for row in rows)]
             colour = "black" if case == EMPTY[0] else f"C{number - 1}"
             axes.plot(x, y, ".-", color=colour, label=label, linewidth=1.5)
+            refusals = [number for number, row in enumerate(rows, start=1) if row["certified"] != "True"]
+            axes.plot(np.take(x, refusals), np.take(y, refusals), "x", color=colour, markersize=9)
             errors = [0.0, *(float(row.get(f"{measure}_error") or 0.0) for row in rows)]
             low, high = np.subtract(y, errors), np.add(y, errors)
             axes.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
