@@ -111,8 +111,8 @@ def _stored_energy(
     space: DisplacementSpace, laws: Sequence[HyperelasticLaw], directions: Array | None, accuracy: float
 ) -> Term:
     """Return the stored energy of the bodies. Rules may miss less of it than is asked for, and than what passes."""
-    passes = LIMITS["quadrature_error"]
-    return BodyEnergy(space, laws, directions, may_miss=min(accuracy, passes) * _OF_RULE, refused=passes)
+    may_miss = min(accuracy, LIMITS["quadrature_error"]) * _OF_RULE
+    return BodyEnergy(space, laws, directions, may_miss=may_miss)
 
 
 def _wall_directions(bodies: BodyMesh) -> Array:

@@ -7,7 +7,6 @@ of the mixed method.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cached_property
 from math import inf, isfinite
 
 import ngsolve
@@ -18,7 +17,6 @@ from ngcell.mechanics.laws.law import HyperelasticLaw
 from ngcell.mechanics.lobatto import lobatto_across
 from ngcell.mechanics.mixed import can_be_mixed, is_incompressible, reduced_measure
 from ngcell.mechanics.per_body import in_bodies
-from ngcell.mechanics.report import SMALL_STRAIN
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.symbolic import Integrals, Rule, SymbolicTerm, more_degrees
 from ngcell.mechanics.term import Configuration, Index, Term
@@ -50,8 +48,6 @@ class BodyEnergy(SymbolicTerm):
     may_miss : float
         Share of the stored energy that the rule may miss where elements are squeezed flat, before a finer one follows.
         At inf the rule stays.
-    refused : float
-        Share beyond which an answer is refused: a finer rule then follows wherever the energy is missed.
     mixed : sequence of bool, optional
         Bodies with the volumetric energy of the mixed method; by default those that are nearly incompressible, where
         the elements allow it.
@@ -65,12 +61,10 @@ class BodyEnergy(SymbolicTerm):
         *,
         extra_degrees: int = 0,
         may_miss: float = inf,
-        refused: float = inf,
         mixed: Sequence[bool] | None = None,
     ) -> None:
         self.space, self.laws = space, tuple(laws)
         self._direction, self._extra, self._may_miss = fibre_direction, extra_degrees, may_miss
-        self._refused = refused
         self._rank = 0
         if mixed is None:
             mixed = [is_incompressible(law) for law in self.laws]
@@ -113,25 +107,17 @@ class BodyEnergy(SymbolicTerm):
         squeezed flat, and it misses too much energy; tell whether that is so.
 
         They do so in sharp corners that close, and store nothing for it. What a rule misses of volumes that hardly
-        change is none of that: there a finer one locks. An answer that locks is better than one that is refused.
+        change is none of that: there a finer one locks.
         """
         if self._rank >= _FINEST or not isfinite(self._may_miss):
             return False
         found, finer = self.value(at), self.finer_form
         assert finer is not None  # bodies have one
-        missed = abs(finer.energy(at.displacement) - found)
-        share = 0.0 if missed <= self._may_miss * abs(found) else _FLAT
-        is_refused = missed > self._refused * max(abs(found), self._hardly_stored)
-        if not is_refused and not self._has_less_volume(at.displacement, share):
+        is_enough = abs(finer.energy(at.displacement) - found) <= self._may_miss * abs(found)
+        if not self._has_less_volume(at.displacement, 0.0 if is_enough else _FLAT):
             return False
         self._rank += 1
         return True
-
-    @cached_property
-    def _hardly_stored(self) -> float:
-        """What walls of the softest law store when they are hardly strained [energy]."""
-        volume = float(self.space.one @ self.space.scalar_mass @ self.space.one)
-        return SMALL_STRAIN**2 * min(law.shear_modulus for law in self.laws) * volume
 
     def _has_less_volume(self, displacement: Array, share: float) -> bool:
         """Return whether J = det F is below a share at a point of the next rule, or of that which judges this one."""
@@ -201,8 +187,7 @@ class BodyEnergy(SymbolicTerm):
     def softened(self, ratio: float) -> BodyEnergy:
         """Return the energy with bulk moduli of at most `ratio` times the shear moduli."""
         softer = [law.softened(ratio) for law in self.laws]
-        given = self.space, softer, self._direction
-        return BodyEnergy(*given, may_miss=self._may_miss, refused=self._refused, mixed=self.mixed)
+        return BodyEnergy(self.space, softer, self._direction, may_miss=self._may_miss, mixed=self.mixed)
 
 
 def _by_element(space: DisplacementSpace, values: Array) -> tuple[ngsolve.GridFunction, ...]:

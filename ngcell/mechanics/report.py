@@ -5,8 +5,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-#: Forces and energies of walls strained by less than this count as nothing when shares are taken.
-SMALL_STRAIN = 1e-4
 
 @dataclass(frozen=True)
 class Check:

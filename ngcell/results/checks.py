@@ -12,7 +12,7 @@ from scipy import sparse
 
 from ngcell.contact.surface.edges import EdgeSurface
 from ngcell.contact.surface.surface import Surface
-from ngcell.mechanics.report import SMALL_STRAIN, Check, Scales
+from ngcell.mechanics.report import Check, Scales
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.term import Configuration, Role
 from ngcell.problem.problem import Problem
@@ -26,6 +26,9 @@ from ngcell.results.overlap import deepest_overlap_of_bodies
 from ngcell.results.quadrature import quadrature_error
 
 Array = NDArray[np.float64]
+
+#: Forces and energies of walls strained by less than this count as nothing when shares are taken.
+_SMALL_STRAIN = 1e-4
 
 
 class Account(Protocol):
@@ -91,7 +94,7 @@ def scales_of(space: DisplacementSpace, modulus: float, stored: float) -> Scales
     """Return what counts as nothing: force and energy of a wall of the softest shear modulus that is hardly strained.
     """
     volume, thickness = float(space.one @ space.scalar_mass @ space.one), space.bodies.thickness
-    return Scales(SMALL_STRAIN * modulus * thickness, SMALL_STRAIN**2 * modulus * volume, thickness, stored)
+    return Scales(_SMALL_STRAIN * modulus * thickness, _SMALL_STRAIN**2 * modulus * volume, thickness, stored)
 
 
 def certify(

@@ -123,26 +123,6 @@ def test_a_rule_stays_where_no_element_is_squeezed_flat():
     assert not bulk.take_finer_rule(at) and bulk.rule == (0,)
 
 
-def test_a_rule_by_which_an_answer_would_be_refused_does_not_stay():
-    tissue = small_tissue(1, 1, order=2, edges=2)
-    at = tissue.space.configuration(1e-3 * np.random.default_rng(1).standard_normal(tissue.space.unknowns))
-    found = BodyEnergy(tissue.space, [LAW])
-    missed = abs(found.finer(found.finer_degrees).value(at) / found.value(at) - 1)
-    passes, refused = (BodyEnergy(tissue.space, [LAW], may_miss=1e-7, refused=by * missed) for by in (1.01, 0.99))
-    assert not passes.take_finer_rule(at)
-    ranks = [refused.rule for _ in range(3) if refused.take_finer_rule(at)]
-    assert ranks and abs(found.finer(found.finer_degrees).value(at) / refused.value(at) - 1) < 0.99 * missed
-
-
-def test_round_off_of_walls_at_rest_asks_for_no_finer_rule():
-    tissue = small_tissue(1, 1, order=2, edges=2)
-    bulk = BodyEnergy(tissue.space, [LAW], may_miss=1e-7, refused=1e-2)
-    turned = tissue.space.affine(np.array([[0.0, -0.5], [0.5, 0.0]]) + np.diag([np.sqrt(0.75) - 1] * 2), np.ones(2))
-    for displacement in (np.zeros(tissue.space.unknowns), turned.ravel()):
-        at = tissue.space.configuration(displacement)
-        assert not bulk.take_finer_rule(at) and bulk.rule == (0,)
-
-
 def test_a_finer_rule_is_remembered_and_handed_on():
     tissue = small_tissue(1, 1, order=3, edges=2)
     space, flat = tissue.space, tissue.space.configuration(squeezed(tissue, 0.8))

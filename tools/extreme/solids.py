@@ -53,9 +53,9 @@ def closed_and_turned() -> Iterator[Entry]:
     for bend in (30.0, 90.0):
         bent = {"kind": "ends", "bend": bend, "levels": 2}
         yield f"bend {bend:g}", partial(prisms, tall=4.0, slices=6, load=bent), ""
-    for stretch, slices in ((-0.3, 8), (1.0, 2)):  # pressed along their axis, walls buckle in waves
+    for stretch in (-0.3, 1.0):
         pulled = {"kind": "ends", "displacement": [0.0, 0.0, stretch], "levels": 2}
-        yield f"axis stretched by {stretch:g}", partial(prisms, slices=slices, load=pulled), ""
+        yield f"axis stretched by {stretch:g}", partial(prisms, slices=2, load=pulled), ""
 
 
 def entries() -> Iterator[Entry]:
