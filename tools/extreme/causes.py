@@ -9,7 +9,8 @@ _PRESSED = (
 )
 _BUCKLES = (
     "Walls buckle along the axis, in waves that two slices do not resolve: 2, 4 and 8 slices store 0.61, 0.29 and 0.25 "
-    "(at order 2), and none of them is certified: with eight the rule misses 8 % of the energy; by a finer one, which locks, it is. Sources of before certified a saddle."
+    "(at order 2), and none of them is certified: with eight the rule misses 8 % of the energy, and a finer one locks. "
+    "Sources of before certified a saddle."
 )
 
 CAUSES: dict[str, str] = {
