@@ -80,7 +80,7 @@ class Adapting(Protocol):
 
     @property
     def raised_on_facets(self) -> Array:
-        """By how much, shape (facets,)."""
+        """Factors by which those of each facet have been made stiffer, shape (facets,)."""
 
     def stiffen(self) -> bool:
         """Make all penalty terms stiffer, and tell whether they may be any stiffer."""
