@@ -26,7 +26,6 @@ SOONER: dict[str, dict[str, Any]] = {
     "compression: 0.9 plates, mortar": {"load": {"kind": "plates", "stretch": 0.9, "levels": 1}},
     "inclusion / wall: 1e-04, penalty": {"tissue": {"rows": 1, "cols": 2, "wall": 0.1}},
     "inclusion / wall: 1e+04, penalty": {"tissue": {"rows": 1, "cols": 2, "wall": 0.1}},
-    "prisms: closed, pressure 0.2": {"mesh": {"order": 2, "size": 1.0, "slices": 1}},
     "prisms: bulk / shear 1e+04": {"mesh": {"order": 2, "size": 1.0, "slices": 1}},
 }
 
