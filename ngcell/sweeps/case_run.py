@@ -26,11 +26,11 @@ from ngcell.results.spread import at_levels
 from ngcell.run import record
 from ngcell.scene import AnyCase, read_case
 from ngcell.solve.outcome import Outcome
+from ngcell.sweeps.code import own_version
 from ngcell.sweeps.ending import Ending
-from ngcell.sweeps.identity import content_key, own_version
+from ngcell.sweeps.identity import content_key
 from ngcell.sweeps.pictures import picture_of
-from ngcell.sweeps.store import Result
-from ngcell.sweeps.task import OTHER_CODE, RESULT, Task
+from ngcell.sweeps.task import OTHER_CODE, RESULT, Result, Task
 
 #: Endings by the errors that stand for them; the first that fits counts.
 _OF_ERRORS = {

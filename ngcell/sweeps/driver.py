@@ -22,8 +22,7 @@ from ngcell.recording import available_cores
 from ngcell.sweeps.ending import Ending
 from ngcell.sweeps.extra import needed
 from ngcell.sweeps.patience import next_ended
-from ngcell.sweeps.store import Result
-from ngcell.sweeps.task import OTHER_CODE, Task
+from ngcell.sweeps.task import OTHER_CODE, Result, Task
 from ngcell.sweeps.worker import died
 
 #: What a worker does with a task.

@@ -15,7 +15,7 @@ import numpy as np
 
 from ngcell.export import small_tissue
 from ngcell.export.atomic import output_errors, replace_file
-from ngcell.sweeps.store import Result
+from ngcell.sweeps.task import Result
 
 #: Folder of the pictures in that of the sweep, and the names of their files.
 _FOLDER, _NAME = "pictures", "case_{:06d}.png"

@@ -13,9 +13,7 @@ from typing import Any
 from uuid import uuid4
 
 from ngcell.export.atomic import output_errors, replace_file
-
-#: What a run has left: outcome, provenance and accepted levels; see `ngcell.sweeps.case_run`.
-Result = dict[str, Any]
+from ngcell.sweeps.task import Result
 
 
 class Store:

@@ -28,9 +28,9 @@ from ngcell.sweeps.options import SweepOptions
 from ngcell.sweeps.outputs import outputs_of
 from ngcell.sweeps.pace import Left, Pace
 from ngcell.sweeps.pictures import Pictures, pictured
-from ngcell.sweeps.store import Result, Store
+from ngcell.sweeps.store import Store
 from ngcell.sweeps.table import Row, Table, read_table, refused
-from ngcell.sweeps.task import Task
+from ngcell.sweeps.task import Result, Task
 
 #: What is asked, or the file that says it.
 Asked = Study | WrittenStudy | str | Path

@@ -18,7 +18,7 @@ from ngcell.export.atomic import output_errors
 from ngcell.results.record import StepRecord
 from ngcell.sweeps.ending import Ending
 from ngcell.sweeps.extra import needed
-from ngcell.sweeps.store import Result
+from ngcell.sweeps.task import Result
 
 PARQUET, CSV = "sweep.parquet", "sweep.csv"
 #: Key of what the Parquet file, and the attributes of the table, say of the axes.

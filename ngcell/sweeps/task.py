@@ -1,9 +1,12 @@
-"""What a worker is handed for one case."""
+"""What a worker is handed for one case, and what it hands back."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
+#: What a run has left: outcome, provenance and accepted levels; see `ngcell.sweeps.case_run`.
+Result = dict[str, Any]
 #: Name of the file that a run leaves its result in.
 RESULT = "result.json"
 #: What a run says whose worker would compute something else.

@@ -13,10 +13,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
 
+from ngcell.sweeps.code import SOURCE, own_version
 from ngcell.sweeps.ending import Ending
-from ngcell.sweeps.identity import SOURCE, own_version
-from ngcell.sweeps.store import Result
-from ngcell.sweeps.task import RESULT, Task
+from ngcell.sweeps.task import RESULT, Result, Task
 
 _PROGRAM = "import sys; from ngcell.sweeps.case_run import serve; serve(sys.argv[1])"
 #: One thread for each library: as many runs as cores share the machine.

@@ -19,14 +19,15 @@ from ngcell.export import draw_tissue
 from ngcell.geometry.bodies import INDENTER, LEFT_SIDE, LOWER_PLATE, RIGHT_SIDE
 from ngcell.run import draw_layout
 
-BRICKS = {"kind": "brick", "rows": 2, "cols": 2, "aspect": 2.0, "wall": 0.1}
+WALL = 0.15
+BRICKS = {"kind": "brick", "rows": 2, "cols": 2, "aspect": 2.0, "wall": WALL}
 MATERIAL = {"kind": "mooney-rivlin", "c1": 1.0, "c2": 1.0, "bulk_modulus": 100.0}
 SHAPES: dict[str, dict[str, Any]] = {
     "flat": {"shape": "flat", "width": 1.5, "place": 2.6},
     "disc": {"shape": "disc", "radius": 1.0},
     "wedge": {"shape": "wedge", "width": 1.0, "angle": 80.0},
 }
-DEPTH, CLEARANCE = 0.15, 0.01
+DEPTH, CLEARANCE = 0.15, WALL / 10
 #: Up to the full depth, and back to the middle of the last two.
 NEAR_FULL = [0.96, 1.0, 0.98]
 

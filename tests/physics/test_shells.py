@@ -53,7 +53,7 @@ def test_shells_pressed_together_bear_the_radial_solution():
     scene = BodyScene(
         bodies,
         mirrors,
-        size=0.4,
+        size=0.5,
         order=2,
         levels=1,
         contact=Penalty(stiffness=3.0),
