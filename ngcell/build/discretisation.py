@@ -18,7 +18,7 @@ from ngcell.geometry.guided import without_guided_walls
 from ngcell.geometry.prisms import along_and_up
 from ngcell.geometry.sections import along_walls
 from ngcell.geometry.shapes import check_boundaries, mesh_shapes
-from ngcell.mechanics.applied.potential import AppliedLoads
+from ngcell.mechanics.applied.dead import terms_of_loads
 from ngcell.mechanics.bulk import BodyEnergy
 from ngcell.mechanics.laws.law import HyperelasticLaw
 from ngcell.mechanics.loading.load import motion_of, with_bodies_of
@@ -94,8 +94,7 @@ def _tissue(case: Case) -> Discretisation:
     terms = [_stored_energy(space, (wall,) * bodies.body_count, directions, case.accuracy)]
     if lumen is not None:
         terms += lumen.terms(space, motion, tissue, wall)
-    if tractions:
-        terms.append(AppliedLoads(space, tractions, motion))
+    terms += terms_of_loads(space, tractions, motion)
     return Discretisation(
         space=space,
         walls=(wall,) * bodies.body_count,
@@ -152,8 +151,7 @@ def _bodies(scene: BodyScene) -> Discretisation:
     moving = [support for support in given if support.moves]
     motion, laws = PrescribedMotion(space, supports), tuple(body.material for body in scene.bodies)
     terms = [_stored_energy(space, laws, _fibre_directions(scene, bodies), scene.accuracy)]
-    if scene.loads:
-        terms.append(AppliedLoads(space, scene.loads, motion))
+    terms += terms_of_loads(space, scene.loads, motion)
     return Discretisation(
         space=space,
         walls=laws,

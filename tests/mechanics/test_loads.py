@@ -13,6 +13,7 @@ from scipy import sparse
 from ngcell.errors import CaseError
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.geometry.shapes import mesh_shapes
+from ngcell.mechanics.applied.dead import DeadLoads, terms_of_loads
 from ngcell.mechanics.applied.potential import AppliedLoads
 from ngcell.mechanics.bulk import BodyEnergy
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
@@ -134,6 +135,27 @@ def test_loads_that_depend_on_the_place_do_the_work_of_their_integrals():
     side_y = (1.2**2 - 0.2**2) / 2
     work = 0.5 * area_x - 2.0 * (3.0 * 2.0 + side_y)
     assert scene.loads.potential(translation, 1.0) == pytest.approx(-work, rel=1e-12)
+
+
+def test_dead_loads_that_depend_on_the_place_are_integrated_once_to_the_same_potential():
+    scene = SCENES["places"]()
+    given = [
+        Pressure(boundary="roof", value=0.7),
+        Traction(boundary="right", vector=lambda x, y: (0.3 * x * y, -0.8)),
+        BodyForce(body="body", vector=lambda x, y: (0.2, ngsolve.sin(x) * y)),
+    ]
+    held = PrescribedMotion(scene.space, [Support("left|right", STILL, np.zeros(2))])
+    pressed, dead = terms_of_loads(scene.space, given, held)
+    assert (type(pressed), type(dead)) == (AppliedLoads, DeadLoads)
+    at = scene.space.configuration(scene.smooth(0.2, 1))
+    dead.apply(0.6)
+    with scene.loads.at_factor(0.6):
+        np.testing.assert_allclose(dead.gradient(at), scene.loads.gradient(at), rtol=0, atol=1e-14)
+        assert dead.value(at) == dead.unstored(at) == pytest.approx(scene.loads.value(at), rel=1e-12)
+    assert dead.drive(at, 0.6).potential == pytest.approx(scene.loads.drive(at, 0.6).potential, rel=1e-12)
+    assert terms_of_loads(scene.space, [], held) == ()
+    with pytest.raises(CaseError, match="vector"):
+        terms_of_loads(scene.space, [Traction(boundary="right", vector=lambda x, y: (x,))], held)
 
 
 def test_a_sum_adds_the_potential_at_the_applied_load_factor(scene):

@@ -10,7 +10,7 @@ import pytest
 import ngcell
 from ngcell.run import Step
 
-BASE = ["load.displacement=[0.5, 0.0]"]
+BASE = ["load.displacement=[0.5, 0.0]", "tissue.cols=2"]
 
 
 @cache

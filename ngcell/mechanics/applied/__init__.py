@@ -1,1 +1,1 @@
-"""Loads that act on boundaries and in bodies, one file each, and the term of the energy that holds them all."""
+"""Loads that act on boundaries and in bodies, one file each, and the terms of the energy that hold them."""

@@ -39,22 +39,23 @@ Vector = Annotated[
 
 
 def check_vector(vector: Vector, place: str, dimension: int) -> None:
-    """Raise CaseError if numbers are not as many as bodies of this dimension need; a function says so when it is called
-    with their coordinates."""
-    if not callable(vector):
-        check_dimension(vector, f"{place}: vector", dimension)
+    """Raise CaseError if numbers, or expressions of a function, are not as many as bodies of this dimension need."""
+    check_dimension(_components(vector, dimension), f"{place}: vector", dimension)
 
 
 def work(
     vector: Vector, space: DisplacementSpace, displacement: ngsolve.CoefficientFunction
 ) -> ngsolve.CoefficientFunction:
     """Return the scalar product of the vector with the displacement."""
-    coordinates = (ngsolve.x, ngsolve.y, ngsolve.z)[: space.dimension]
-    first, *others = vector(*coordinates) if callable(vector) else vector
+    first, *others = _components(vector, space.dimension)
     product = first * displacement[0]
     for axis, component in enumerate(others, start=1):
         product = product + component * displacement[axis]
     return product
+
+
+def _components(vector: Vector, dimension: int) -> tuple[Any, ...]:
+    return tuple(vector(*(ngsolve.x, ngsolve.y, ngsolve.z)[:dimension])) if callable(vector) else vector
 
 
 def extra_degrees(vector: Vector) -> int:
