@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf
 from typing import Generic, cast
@@ -26,10 +26,27 @@ from ngcell.solve.released import Released
 from ngcell.solve.step import StepFailed, spent
 
 Minimisers = Sequence[Minimiser]
-#: Minimisers that come first, those that a step goes through, whether contact begins as stiff as on the mesh before.
-Attempt = tuple[Minimisers, Minimisers, bool]
 
 _log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, eq=False)
+class Attempt:
+    """A way from one mesh to the next.
+
+    Attributes
+    ----------
+    softer : sequence of Minimiser
+        Those that come first, of walls of smaller bulk moduli.
+    minimisers : sequence of Minimiser
+        Those that a step goes through; the last is of the problem that is meant.
+    is_as_stiff : bool
+        Whether contact begins as stiff as it has become on the mesh before.
+    """
+
+    softer: Minimisers
+    minimisers: Minimisers
+    is_as_stiff: bool = False
 
 
 class Level(Generic[Scene]):
@@ -66,10 +83,10 @@ class Level(Generic[Scene]):
         """Yield the minimiser of the tied solid, after those of smaller bulk moduli, and at last the one with contact:
         that alone where a body touches itself at a displacement."""
         if not has_contact(self._closing, displacement, load):
-            yield self._tied[:-1], self._tied[-1:], False
+            yield Attempt(self._tied[:-1], self._tied[-1:])
         if self._closing:
             self._closing[-1].problem.reset()
-            yield self._closing[:-1], self._closing[-1:], False
+            yield Attempt(self._closing[:-1], self._closing[-1:])
 
     def _passes_itself(self, minimisers: Minimisers, minimum: Minimum, load: float) -> bool:
         """Return whether a body touches itself in a minimum of the tied solid without contact."""
@@ -101,11 +118,12 @@ class Level(Generic[Scene]):
         share = mine.options.solver.handed_on if only_leads else None
         if path is not None and is_finished_later:
             share = inf if only_leads else path.options.of_leading
-        for softer, last, is_as_stiff in self._tied_at(start, load) if is_tied else self._attempts(only_leads):
+        for attempt in self._tied_at(start, load) if is_tied else self._attempts(only_leads):
+            softer, last = attempt.softer, attempt.minimisers
             effort = spent((*softer, *last))
             own = mine.problem_of(accepted.phase, only_leads=only_leads)
             self._prepare(softer, last, coarse, start, own)
-            if is_as_stiff:
+            if attempt.is_as_stiff:
                 _recall_stiffness(own, coarse.problem)
             try:
                 length, options = self._released.longest_step, mine.options.solver
@@ -234,8 +252,8 @@ class Level(Generic[Scene]):
         stages = self._released.minimisers[: len(self._released.minimisers) - left_out]
         few, most = 2 if self.has_multipliers and not only_leads else 1, len(stages) - len(self._tied)
         counts = [few, most] if few < most else [few]
-        ways = [(self.simulation.softer_in_bulk(count + left_out), stages[-count:], False) for count in counts]
-        return [*ways, (*ways[0][:2], True)]
+        ways = [Attempt(self.simulation.softer_in_bulk(count + left_out), stages[-count:]) for count in counts]
+        return [*ways, replace(ways[0], is_as_stiff=True)]
 
     def stable(self, found: Refined[Scene]) -> Refined[Scene]:
         """Return a step with its lowest curvature, below a saddle if it rests on one; errors are as before.
@@ -246,10 +264,11 @@ class Level(Generic[Scene]):
         is_tied, load = found.accepted.phase == "tied", found.accepted.load_factor
         length, options = self._released.longest_step, self.simulation.options.solver
         effort_in_all = found.accepted.effort
-        attempts: Iterable[Attempt] = [((), self._released.minimisers, False)]
+        attempts: Iterable[Attempt] = [Attempt((), self._released.minimisers)]
         if is_tied:
             attempts = self._tied_at(minimum.state.displacement, load)
-        for number, (_, minimisers, _) in enumerate(attempts):
+        for number, attempt in enumerate(attempts):
+            minimisers = attempt.minimisers
             effort, left = spent(minimisers[-1:]), minimum
             self.simulation.renew_budget()
             try:
