@@ -127,12 +127,6 @@ class ContinuationOptions:
         return replace(self, felt=felt, allowed=allowed, sufficient=sufficient, resting=resting)
 
     @property
-    def on_finer_meshes(self) -> ContinuationOptions:
-        """The numbers with which a state goes on to a finer mesh: walls are settled already, and held firmly from the
-        start, since under a small weight they slide on, far for falls of the energy that mean nothing."""
-        return replace(self, recentred=self.resting)
-
-    @property
     def handing_over(self) -> ContinuationOptions:
         """The numbers with which multipliers take over from a penalty: walls are held so that they stay at its
         equilibrium, or slide on in small steps."""

@@ -82,8 +82,7 @@ def _settled_once(
     share: float | None,
 ) -> Minimum:
     minimum, before = None, None
-    refined, firm = share or options.continuation.refined, path.options.on_finer_meshes if path else None
-    weight = path.scale * firm.recentred if path and firm else 0.0
+    refined, weight = share or options.continuation.refined, path.scale * path.options.recentred if path else 0.0
     for minimiser in softer:
         held = ProximalTerm(weight, start)
         minimum = minimiser.minimise(start, held, options.handed_on * _magnitude(minimiser, start))
@@ -95,13 +94,13 @@ def _settled_once(
             minimiser.problem.start_from(before.problem, minimum.state)
         is_last = minimiser is minimisers[-1] and not minimiser.problem.has_multipliers
         share = refined if is_last else options.handed_on  # multipliers that are still missed are not worth more
-        if path is None or firm is None:
+        if path is None:
             held = ProximalTerm(weight, start)
             minimum = minimiser.minimise(start, held, share * _magnitude(minimiser, start))
         else:
-            minimum = recentred(minimiser, start, weight, firm)
+            minimum = recentred(minimiser, start, weight, path.options)
             if minimum.is_found and isfinite(share):
-                minimum = at_rest(minimiser, minimum, path.scale, firm.resting, firm, share)
+                minimum = at_rest(minimiser, minimum, path.scale, path.options.resting, path.options, share)
         if not minimum.is_found:
             return minimum
         start, before = minimum.state.displacement, minimiser
