@@ -7,13 +7,7 @@ _PRESSED = (
     "0.65 (Hong, Zhao and Suo 2009). Meshes of order 2, 3, 4 and graded 4 store 4.86, 4.39, 4.26 and 4.21, with an "
     "error of 9 % on the last, where the energy has a kink: no step leads to its last digits."
 )
-_BUCKLES = (
-    "Walls buckle along the axis, in waves that two slices do not resolve: 2, 4 and 8 slices store 0.61, 0.29 and 0.25 "
-    "(at order 2), and none of them is certified: with eight the rule misses 8 % of the energy, and a finer one locks. "
-    "Sources of before certified a saddle."
-)
 
 CAUSES: dict[str, str] = {
     "compression: 0.5 frame, both ways": _PRESSED,
-    "prisms: axis stretched by -0.3": _BUCKLES,
 }
