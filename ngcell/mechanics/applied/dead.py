@@ -80,7 +80,11 @@ def terms_of_loads(
     space: DisplacementSpace, loads: Sequence[AppliedLoad], motion: PrescribedMotion
 ) -> tuple[AppliedLoads | DeadLoads, ...]:
     """Return the terms of loads: one of dead loads that depend on the place, and one of all others."""
-    dead = [load for load in loads if isinstance(load, (Traction, BodyForce)) and callable(load.vector)]
-    others = [load for load in loads if load not in dead]
+    dead, others = list[Traction | BodyForce](), list[AppliedLoad]()
+    for load in loads:
+        if isinstance(load, (Traction, BodyForce)) and callable(load.vector):
+            dead.append(load)
+        else:
+            others.append(load)
     terms = [AppliedLoads(space, others, motion)] if others else []
     return (*terms, DeadLoads(space, dead)) if dead else tuple(terms)
