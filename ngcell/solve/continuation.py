@@ -122,7 +122,7 @@ class Continuation:
         """Return the last minimum, and where the path may end instead, if its last stretch failed."""
         options = self.options
         rest, weight, decades = list(minimisers), self.options.first, self.options.narrowest
-        place = _without_round_off(start.displacement, minimisers[0], options.last_digit)
+        place = minimisers[0].rounded(start.displacement)
         magnitude = minimisers[0].problem.magnitude(start)
         missed, way, enough = 0.0, 0, None
         while not (enough and way > 2 * enough.way):
@@ -284,13 +284,3 @@ def _met(minimiser: Minimiser, minimum: Minimum, length: float, share: float) ->
         return length
     force = float(np.abs(problem.gradient_of_constraints(state)).sum())
     return length if not force else min(length, share * problem.magnitude(state) / force)
-
-
-def _without_round_off(place: Array, minimiser: Minimiser, last_digit: float) -> Array:
-    """Return a place where round-off says nothing of how it was reached: digits that no equilibrium depends on are cut.
-
-    A nearly symmetric tissue chooses between branches by its last digits. From here the path is the same to the bit,
-    whatever the start and the levels before.
-    """
-    digit = last_digit * minimiser.longest_step
-    return np.where(minimiser.problem.free, digit * np.round(place / digit), place)

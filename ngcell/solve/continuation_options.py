@@ -51,9 +51,8 @@ class ContinuationOptions:
     first_overlapping : float
         Weight at the start where walls overlap at rest: a larger one would hold them deep in each other, where the
         nearest wall changes from point to point and the energy is not smooth.
-    narrowest, widest, last_digit : float
-        Decades by which the weight falls from one minimisation to the next, at least and at most; and the length to
-        which the place is rounded where a continuation begins.
+    narrowest, widest : float
+        Decades by which the weight falls from one minimisation to the next, at least and at most.
     stiffen_at : float
         Weight at which contact stiffens: walls have found their contact pairs there, and floating cells are still held
         well enough to follow.
@@ -105,7 +104,6 @@ class ContinuationOptions:
     first_overlapping: float = 1.0
     narrowest: float = 0.5
     widest: float = 1.0
-    last_digit: float = 1e-6
     stiffen_at: float = 1e-5
     on_the_way: float = 0.01
     at_the_end: float = 1e-12

@@ -27,6 +27,7 @@ from ngcell.solve.curved import corrected
 from ngcell.solve.damping import Damper
 from ngcell.solve.effort import Budget, Effort
 from ngcell.solve.inner import minimise_one_sided
+from ngcell.solve.last_digits import Rounding, without_last_digits
 from ngcell.solve.minimum import Advance, Ending, Minimum
 from ngcell.solve.newton import Newton
 from ngcell.solve.one_sided import Matrix, OneSidedModel
@@ -34,6 +35,7 @@ from ngcell.solve.options import MinimiserOptions
 from ngcell.solve.problem import Problem, State
 from ngcell.solve.proximal import ProximalTerm
 from ngcell.solve.stall import Progress
+from ngcell.solve.trials import Trials
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -162,6 +164,14 @@ class Minimiser:
         self.effort.factorisations += 1
         return matrix.solve
 
+    def rounded(self, place: Array) -> Array:
+        """Return a place without its last digits."""
+        return without_last_digits(place, self.problem.free, self._digit)
+
+    @property
+    def _digit(self) -> float:
+        return self.options.last_digit * self.longest_step
+
     def make_matrix(self, displacement: Array) -> None:
         """Make the matrix of this problem, if there is none yet."""
         if not self.assembly.has_system:
@@ -239,19 +249,21 @@ class Minimiser:
                 self.effort.refusals += 1
                 continue
             if is_convex:
-                trial, gain = self._tried(state, step, proximal, energy)
+                rounding = Rounding(model, matrix, self._digit, self.options.cheap * -change)
+                trials = Trials(self.problem, self._at, state, proximal, rounding, energy)
+                trial, gain = trials.after(step)
                 if -lost < change and -lost < gain:
                     return Advance(trial, self._damper.none, found.decrement, is_led)
                 least = self.options.poor * -change
                 if gain <= least:
                     bent = corrected(self.problem, self._newton, line, (model, matrix), step, trial, least - gain)
-                    again = (trial, gain) if bent is None else self._tried(state, bent, proximal, energy)
+                    again = (trial, gain) if bent is None else trials.after(bent)
                     trial, gain = again if again[1] > least else (trial, gain)
                 if not gain >= self.options.fair * -change:  # or no energy at all
                     lacking = self._lacking(undamped, matrix, step, trial, proximal)
                 if change < 0 and gain > least:
                     if not is_led and gain > self.options.straight * -change:
-                        trial, gain = self._farther(state, step, proximal, energy, (trial, gain))
+                        trial, gain = trials.farther(step, (trial, gain), self.longest_step)
                     relaxed = self._damper.relaxed(damping, step, slope, lacking, gain / -change)
                     return Advance(trial, relaxed, found.decrement, is_led and not is_last)
             if not is_convex and is_whole:
@@ -262,23 +274,6 @@ class Minimiser:
                 damping = self._damper.straightened(damping, *found.not_convex)
             self.effort.refusals += 1
         return None
-
-    def _tried(self, state: State, step: Array, proximal: ProximalTerm, energy: float) -> tuple[State, float]:
-        """Return the state after a step, and by how much its energy is below `energy`."""
-        trial = self._at(self.problem.move(state.displacement, step))
-        return trial, energy - trial.energy - self.proximal_energy(trial.displacement, proximal)
-
-    def _farther(
-        self, state: State, step: Array, proximal: ProximalTerm, energy: float, found: tuple[State, float]
-    ) -> tuple[State, float]:
-        """Return the state after a step, or after twice, four times, ... as long a one while the energy falls on."""
-        while 2 * float(np.abs(step).max()) <= self.longest_step:
-            step = 2 * step
-            trial, gain = self._tried(state, step, proximal, energy)
-            if not gain > found[1]:
-                break
-            found = trial, gain
-        return found
 
     def _lacking(
         self, model: OneSidedModel, matrix: Matrix, step: Array, trial: State, proximal: ProximalTerm

@@ -162,7 +162,8 @@ def descend(
     tolerance: float = 0.0,
     **numbers: int,
 ) -> Minimum:
-    options, most = MinimiserOptions(**numbers), budget or Budget()
+    # Digits that are cut from a place may be all that tells one side of a saddle from the other.
+    options, most = MinimiserOptions(last_digit=1e-12, **numbers), budget or Budget()
     minimiser = Minimiser(problem, longest_step, energy_scale=1.0, options=options, budget=most)
     return minimiser.minimise(np.array(start, dtype=float), proximal, tolerance)
 

@@ -341,7 +341,7 @@ def test_where_a_finer_rule_finds_elements_folded_it_is_tried_once_more_from_the
         def take_finer_rule(self, state: Point) -> bool:
             if np.isfinite(self.edge) or not is_finer:
                 return False
-            self.edge = state.displacement[0] / 2
+            self.edge = state.displacement[0] / 2.1  # between two digits
             return True
 
     minimiser = Minimiser(Folding(), 1.0, energy_scale=1.0)

@@ -191,6 +191,9 @@ class FakeMinimiser:
     )
     is_iterative = True
 
+    def rounded(self, place: np.ndarray) -> np.ndarray:
+        return place
+
     def minimise(
         self,
         start: np.ndarray,
