@@ -138,7 +138,8 @@ class Continuation:
             if minimum.ending is Ending.STALLED and weight > options.stiffen_at and not may_stall:
                 minimum = replace(minimum, ending=Ending.NO_DESCENT)
             if minimum.is_found and is_end and options.sufficient:
-                minimum = recentred(minimiser, minimum.state.displacement, minimum.proximal.weight, options)
+                ends = replace(options, sufficient=options.at_path_end)
+                minimum = recentred(minimiser, minimum.state.displacement, minimum.proximal.weight, ends)
                 if not options.only_leads:
                     return rested(minimiser, minimum, self), None
                 if minimum.is_found:

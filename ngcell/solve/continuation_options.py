@@ -23,6 +23,9 @@ class ContinuationOptions:
     sufficient, sufficient_of_accuracy : float
         By how much the energy may still fall, as a share of itself, when no further centre is taken, 0 where the centre
         stays; and that over the accuracy that is asked for.
+    sufficient_to_lead, at_path_end : float
+        The least that suffices at the end of a path that only leads to finer meshes: a quarter of what tied tissues err
+        by on its mesh, an eighth of what released ones do; and what suffices at the end of this one.
     recentred, resting, most_recentred, idle, idle_at_last : float, float, int, float, float
         Weight at which the proximal term begins to hold bodies where they are; that under which last digits are found,
         which is no less; the most centres; the share of a fall above which the next one is slow, and the weight is
@@ -82,6 +85,8 @@ class ContinuationOptions:
     felt_of_accuracy: float = 0.05
     sufficient: float = 0.0
     sufficient_of_accuracy: float = 0.05
+    sufficient_to_lead: float = 0.02
+    at_path_end: float = 0.0
     recentred: float = 1e-4
     resting: float = 1e-3
     most_recentred: int = 30
@@ -121,8 +126,10 @@ class ContinuationOptions:
     def within(self, accuracy: float) -> ContinuationOptions:
         """Return the numbers with which results have this relative error."""
         felt, sufficient = self.felt_of_accuracy * accuracy, self.sufficient_of_accuracy * accuracy
+        at_path_end = max(sufficient, self.sufficient_to_lead) if self.only_leads else sufficient
+        ends = replace(self, felt=felt, sufficient=sufficient, at_path_end=at_path_end)
         allowed, resting = self.allowed_of_accuracy * accuracy, max(self.resting, self.recentred)
-        return replace(self, felt=felt, allowed=allowed, sufficient=sufficient, resting=resting)
+        return replace(ends, allowed=allowed, resting=resting)
 
     @property
     def handing_over(self) -> ContinuationOptions:

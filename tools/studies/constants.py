@@ -41,6 +41,7 @@ CHANGES: dict[str, tuple[float, ...]] = {
     "solver.continuation.widest": (0.5, 2.0),
     "solver.minimiser.last_digit": (1e-6, 1e-4),
     "solver.minimiser.cheap": (1e-3, 0.1),
+    "solver.continuation.sufficient_to_lead": (0.01, 0.04),
     "solver.continuation.stiffen_at": (1e-6, 1e-4),
     "solver.continuation.on_the_way": (1e-3, 0.1),
     "solver.continuation.at_the_end": (1e-12, 1e-8),
