@@ -242,6 +242,21 @@ def test_meshes_that_lead_end_early_and_last_digits_are_found_where_they_are_rep
     assert rested(minimiser, found, path).state is found.state and minimiser.effort.iterations == spent
 
 
+def test_a_path_that_only_leads_ends_at_falls_that_its_own_mesh_exceeds_by_far():
+    """The bottom is far, and each centre goes an eleventh of the way that is left."""
+
+    def centres(accuracy: float, *, only_leads: bool) -> int:
+        options = replace(ContinuationOptions(only_leads=only_leads), first=1.0, recentred=1.0).within(accuracy)
+        minimiser, held = Minimiser(Bowl(), 1.0, energy_scale=1.0), ProximalTerm(1.0, np.zeros(3))
+        begin = Minimum(minimiser.problem.at(np.zeros(3)), Ending.CONVERGED, 0.0, held)
+        found = Continuation(1.0, options).select(begin.state, (minimiser,), np.zeros(3))
+        assert found.is_found
+        return minimiser.effort.iterations
+
+    assert centres(0.001, only_leads=True) < centres(0.001, only_leads=False)
+    assert ContinuationOptions(only_leads=True).within(0.8).at_path_end == ContinuationOptions().within(0.8).at_path_end
+
+
 def stuck(minimiser: Minimiser, start: np.ndarray, proximal: ProximalTerm, *_: object, **__: object) -> tuple:
     """A minimisation that finds no step down, as at a kink."""
     return Minimum(minimiser.problem.at(start), Ending.NO_DESCENT, 1.0, proximal), minimiser.effort
