@@ -138,7 +138,7 @@ class Continuation:
             if minimum.ending is Ending.STALLED and weight > options.stiffen_at and not may_stall:
                 minimum = replace(minimum, ending=Ending.NO_DESCENT)
             if minimum.is_found and is_end and options.sufficient:
-                ends = replace(options, sufficient=options.at_path_end)
+                ends = replace(options, sufficient=max(options.sufficient, options.at_path_end))
                 minimum = recentred(minimiser, minimum.state.displacement, minimum.proximal.weight, ends)
                 if not options.only_leads:
                     return rested(minimiser, minimum, self), None

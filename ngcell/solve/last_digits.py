@@ -2,7 +2,7 @@
 
 Round-off of one iteration is 1e-14 of a length. Where cells come free each further iteration enlarges it some ten
 times, and in the end it chooses between branches: of 20 runs of one tissue, whose loads differ by round-off, no two end
-alike. From a place that is rounded the way is the same to the bit, on any machine. The digit is far above round-off, so
+alike. From a place that is rounded the way is the same to the bit. The digit is far above round-off, so
 that hardly any of some ten thousand numbers lies so near to the middle between two digits that round-off decides, and
 far below all that a wall feels. Where a step gains so little that rounding would cost a share of it, nothing is cut.
 """
@@ -49,6 +49,8 @@ class Rounding:
     def of(self, place: Array) -> Array:
         """Return a place without its last digits; the place itself if that costs too much."""
         rounded = without_last_digits(place, self.model.free, self.digit)
+        if rounded is place:
+            return place
         off = rounded - place
         bent, deeper = off @ self.matrix.multiply(self.model.stiffness, off), self.model.jacobian @ off
         return rounded if 0.5 * abs(bent + self.model.penalty @ deeper**2) < self.nothing else place
