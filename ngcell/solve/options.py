@@ -118,6 +118,9 @@ class StabilityOptions:
         as large as it is low, until none is, or so many have been tried.
     rounds, settled : int, float
         Most rounds of Lanczos' method, and the residual of a Ritz pair, as a share of its value, at which it ends.
+    as_low, most_modes, unmixed : float, int, float
+        Share of the lowest curvature down to which a saddle is left along other modes too, how many of them at most,
+        and the accuracy of their values as a share.
     negative : float
         Multiple of the scale down to which a negative curvature is none.
     lost : float
@@ -135,6 +138,9 @@ class StabilityOptions:
     most_weights: int = 8
     rounds: int = 40
     settled: float = 1e-3
+    as_low: float = 0.9
+    most_modes: int = 3
+    unmixed: float = 1e-6
     negative: float = 1e-3
     lost: float = 1e-9
     departures: tuple[float, ...] = (0.5, 0.05, 0.005)

@@ -8,18 +8,20 @@ Ruhe, Math. Comp. 35, 1980, doi:10.1090/S0025-5718-1980-0583502-2). Any that is 
 direction of negative curvature, whatever s is.
 
 Whether the energy really falls is told by the energy: at a kink, where a wall that just touches opens, the tangent of
-one side says nothing. A saddle is left both ways, and the lower of the two minima counts.
+one side says nothing. A saddle is left both ways, along each direction that is nearly as low as the lowest, and the
+lowest of the minima counts: of two directions that are as low, the last digits of the mesh would choose one.
 """
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
+from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Ending, Minimum
@@ -32,7 +34,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Mode:
-    """The lowest eigenvalue of a tangent, closed contacts held closed.
+    """An eigenvalue of a tangent, closed contacts held closed.
 
     Attributes
     ----------
@@ -41,7 +43,7 @@ class Mode:
     direction : array of float, shape (unknowns,)
         Its eigenvector, largest component 1.
     rounds : int
-        Rounds of Lanczos' method that it took.
+        Rounds of Lanczos' method that it took; 0 where ARPACK found it.
     """
 
     curvature: float
@@ -84,7 +86,8 @@ def stable_minimum(
         mode = lowest_mode(minimiser, minimum, options, scale=scale)
         curvature, below = mode.curvature, None
         if curvature < -options.negative * scale:
-            curvature, below = _below(minimiser, minimum, length * mode.direction, options)
+            modes = modes_as_low(minimiser, minimum, mode, options)
+            curvature, below = _below(minimiser, minimum, [length * mode.direction for mode in modes], options)
         if below is None:
             return replace(minimum, lowest_curvature=curvature / scale)
         _log.info("a saddle is left: energy %.8e, then %.8e", minimum.state.energy, below.state.energy)
@@ -118,16 +121,52 @@ def _mode_near(minimiser: Minimiser, minimum: Minimum, weight: float, options: S
     """Return the lowest eigenvalue; where some are below ``-weight``, the one of these that is nearest to it."""
     solve, free = minimiser.stiffened(minimum, weight), minimiser.problem.free
     theta, direction, rounds = _lanczos(solve, minimiser.problem.mass, free, options)
-    # A sign that no symmetry of the direction makes a tie.
+    return Mode(float(1 / theta) - weight, _oriented(direction), rounds)
+
+
+def modes_as_low(
+    minimiser: Minimiser, minimum: Minimum, lowest: Mode, options: StabilityOptions
+) -> tuple[Mode, ...]:
+    """Return the modes whose curvatures are nearly as low as the lowest one, which is negative, in ascending order.
+
+    Lanczos' method from one vector ends before it tells two close eigenvalues apart, and never tells equal ones;
+    ARPACK starts again within the space that it has found (Lehoucq, Sorensen and Yang, ARPACK Users' Guide, 1998,
+    doi:10.1137/1.9780898719628).
+    """
+    weight, free = -options.farther * lowest.curvature, minimiser.problem.free
+    solve, mass = minimiser.stiffened(minimum, weight), minimiser.problem.mass[free][:, free]
+    count = min(options.most_modes, mass.shape[0] - 1)
+
+    def solved(force: Array) -> Array:
+        whole = np.zeros(len(free))
+        whole[free] = force
+        return np.asarray(solve(whole)[free])
+
+    try:
+        values, vectors = eigsh(
+            mass, count, mass, sigma=-weight, v0=_pattern(mass.shape[0]), tol=options.unmixed,
+            OPinv=LinearOperator(mass.shape, solved, dtype=float),  # which is all that it takes of K
+        )  # fmt: skip
+    except ArpackNoConvergence:
+        return (lowest,)
+    directions = np.zeros((count, len(free)))
+    directions[:, free] = vectors.T
+    modes = [Mode(float(value), _oriented(way), 0) for value, way in zip(values, directions, strict=True)]
+    as_low = tuple(mode for mode in modes if mode.curvature <= options.as_low * modes[0].curvature)
+    _log.info("as low: %s", ", ".join(f"{mode.curvature / lowest.curvature:.3f}" for mode in as_low))
+    return as_low
+
+
+def _oriented(direction: Array) -> Array:
+    """Return a direction with largest component 1, of a sign that no symmetry of the direction makes a tie."""
     sign = np.sign(direction @ _pattern(len(direction))) or 1.0
-    curvature = float(1 / theta) - weight
-    return Mode(curvature, np.asarray(sign * direction / np.abs(direction).max()), rounds)
+    return np.asarray(sign * direction / np.abs(direction).max())
 
 
 def _below(
-    minimiser: Minimiser, minimum: Minimum, direction: Array, options: StabilityOptions
+    minimiser: Minimiser, minimum: Minimum, directions: Sequence[Array], options: StabilityOptions
 ) -> tuple[float, Minimum | None]:
-    """Return the curvature of the energy along a direction, and the lower of the minima on both sides of a saddle.
+    """Return the curvature of the energy along directions, and the lowest of the minima on both sides of a saddle.
 
     There is no minimum where the energy does not fall. The curvature is the lowest that differences of energies show
     [stress / length**2]; falls that count as nothing do not.
@@ -135,11 +174,11 @@ def _below(
     proximal, problem = minimum.proximal, minimiser.problem
     whole = minimum.state.energy + minimiser.proximal_energy(minimum.state.displacement, proximal)
     least = max(options.fallen * abs(whole), minimiser.options.noise * minimiser.energy_scale)
-    moved = float(direction @ (problem.mass @ direction))
     curvature, found = np.inf, []
-    for sign in (1.0, -1.0):
+    for way in (sign * direction for direction in directions for sign in (1.0, -1.0)):
+        moved = float(way @ (problem.mass @ way))
         for share in options.departures:
-            start = minimum.state.displacement + sign * share * direction
+            start = minimum.state.displacement + share * way
             fallen = whole - problem.at(start).energy - minimiser.proximal_energy(start, proximal)
             if np.isfinite(fallen):
                 curvature = min(curvature, -2 * (fallen if fallen > least else min(fallen, 0.0)) / (share**2 * moved))
@@ -151,8 +190,10 @@ def _below(
                 break
     if not found or min(found, key=lambda one: one[0])[0] >= whole - least:
         return curvature, None
-    first, *other = found
-    return curvature, other[0][1] if other and other[0][0] < first[0] - options.same * abs(first[0]) else first[1]
+    lowest = found[0]
+    for other in found[1:]:  # of two that are as low, the first
+        lowest = other if other[0] < lowest[0] - options.same * abs(lowest[0]) else lowest
+    return curvature, lowest[1]
 
 
 def _pattern(size: int) -> Array:

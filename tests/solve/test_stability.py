@@ -15,18 +15,22 @@ from ngcell.scene import Body, BodyScene, BodySupport, MooneyRivlin
 from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.options import StabilityOptions
 from ngcell.solve.proximal import ProximalTerm
-from ngcell.solve.stability import lowest_mode, stable_minimum
+from ngcell.solve.stability import lowest_mode, modes_as_low, stable_minimum
 
 USUAL = StabilityOptions()
 
 
-def simulation(down: float, width: float = 0.1) -> Simulation:
-    """A slender block, compressed along its axis."""
-    face = occ.Rectangle(width, 2.0).Face()
-    face.edges.Min(occ.Y).name, face.edges.Max(occ.Y).name = "low", "high"
+def simulation(down: float, *widths: float) -> Simulation:
+    """Slender blocks, compressed along their axes, far from each other."""
     supports = (BodySupport("low"), BodySupport("high", translation=(0.0, -down)))
-    body = Body(face, MooneyRivlin(c1=0.5, c2=0.5, bulk_modulus=10.0), "block")
-    return Simulation(BodyScene((body,), supports, size=0.1, order=2, levels=1))
+    blocks = tuple(block(number, width) for number, width in enumerate(widths or (0.1,)))
+    return Simulation(BodyScene(blocks, supports, size=0.1, order=2, levels=1))
+
+
+def block(number: int, width: float) -> Body:
+    face = occ.MoveTo(10.0 * number, 0.0).Rectangle(width, 2.0).Face()
+    face.edges.Min(occ.Y).name, face.edges.Max(occ.Y).name = "low", "high"
+    return Body(face, MooneyRivlin(c1=0.5, c2=0.5, bulk_modulus=10.0), f"block-{number}")
 
 
 def straight(built: Simulation):
@@ -38,6 +42,17 @@ def straight(built: Simulation):
     return minimiser, minimiser.minimise(start, ProximalTerm(0.0, start))
 
 
+def eigenvalues(minimiser, minimum):
+    """Return all eigenvalues of the tangent in the metric of the mass, in ascending order."""
+    line, problem = minimiser.problem.linearise(minimum.state), minimiser.problem
+    row, column = problem.pattern
+    tangent = np.zeros((len(problem.free),) * 2)
+    np.add.at(tangent, (row, column), line.stiffness)
+    tangent = tangent + np.tril(tangent, -1).T
+    of_free = np.ix_(problem.free, problem.free)
+    return eigh(tangent[of_free], problem.mass.toarray()[of_free], eigvals_only=True)
+
+
 @pytest.mark.parametrize(("down", "width"), [(0.0005, 0.1), (0.1, 0.1), (0.003, 0.03)])
 def test_the_lowest_curvature_is_the_lowest_eigenvalue(down, width):
     """The most slender block has eigenvalues of both signs close to zero, and has just buckled."""
@@ -46,16 +61,28 @@ def test_the_lowest_curvature_is_the_lowest_eigenvalue(down, width):
     assert minimum.is_found
     scale = built.continuation.scale
     mode = lowest_mode(minimiser, minimum, USUAL, scale=scale)
-    line, problem = minimiser.problem.linearise(minimum.state), minimiser.problem
-    row, column = problem.pattern
-    tangent = np.zeros((len(problem.free),) * 2)
-    np.add.at(tangent, (row, column), line.stiffness)
-    tangent = tangent + np.tril(tangent, -1).T
-    of_free = np.ix_(problem.free, problem.free)
-    exact = eigh(tangent[of_free], problem.mass.toarray()[of_free], eigvals_only=True)[0]
+    exact = eigenvalues(minimiser, minimum)[0]
     assert mode.curvature == pytest.approx(exact, abs=0.1 * USUAL.negative * scale, rel=1e-3)
     assert mode.rounds < USUAL.rounds / 2
     assert (mode.curvature < 0) == (down > 0.001)
+
+
+@pytest.mark.parametrize("widths", [(0.1, 0.1), (0.1, 0.101), (0.1, 0.2)])
+def test_a_saddle_is_left_along_all_modes_that_are_as_low(widths):
+    """Each block has modes of its own; of two that are equal any mixture would do, and each is found."""
+    built = simulation(0.03, *widths)
+    minimiser, minimum = straight(built)
+    scale, mass = built.continuation.scale, minimiser.problem.mass
+    lowest = lowest_mode(minimiser, minimum, USUAL, scale=scale)
+    modes = modes_as_low(minimiser, minimum, lowest, USUAL)
+    exact = eigenvalues(minimiser, minimum)
+    expected = [value for value in exact if value <= USUAL.as_low * exact[0]]
+    assert len(expected) == (2 if widths[1] < 0.15 else 1)
+    assert [mode.curvature for mode in modes] == pytest.approx(expected, rel=1e-3)
+    across = np.array([[one.direction @ (mass @ other.direction) for one in modes] for other in modes])
+    assert across == pytest.approx(np.diag(np.diag(across)), abs=1e-3 * across.max())
+    stable = stable_minimum(minimiser, minimum, lambda below: below, USUAL, scale=scale, length=built.longest_step)
+    assert stable.is_found and stable.lowest_curvature > 0
 
 
 def test_a_saddle_is_left_and_the_minimum_has_no_negative_curvature():
