@@ -221,7 +221,7 @@ def members(
     list of Spread
         A row for each level and number; members that are not certified do not count.
     """
-    options = RecordingOptions(threads, False, force, None, pictures)
+    options = RecordingOptions(threads, force=force, pictures=pictures)
     ensemble = Ensemble(case, out, MemberChoice(count, seed, spread), options)
     for _ in ensemble:
         pass

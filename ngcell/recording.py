@@ -6,7 +6,7 @@ import logging
 import os
 import platform
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from hashlib import sha256
@@ -20,9 +20,9 @@ from threadpoolctl import threadpool_limits
 
 from ngcell.build.additions import Additions
 from ngcell.build.checkpoint import Checkpoint
-from ngcell.build.penalty_error import check_has_penalty, stiffer_result
 from ngcell.build.run_summary import onset_of_growth, reached, run_summary
 from ngcell.build.simulation import Simulation
+from ngcell.build.verification import check_has_no_estimate, check_has_penalty, finer_result, stiffer_result
 from ngcell.clock import Clock, OutOfTime
 from ngcell.errors import CaseError, NotConverged
 from ngcell.export import Restart, ResultFolder, cannot_resume
@@ -54,6 +54,8 @@ class RecordingOptions:
         Number of threads of large scenes, by default one for each core and never more; small scenes use one.
     verify_penalty : bool
         Whether the last level is repeated with a stiffer penalty, to report how far the result moves.
+    verify_mesh : bool
+        Whether a scene whose errors are not estimated is solved again by elements of one order more, to report them.
     force : bool
         Whether accepted steps of an earlier run that the folder holds may be replaced.
     max_minutes : float, optional
@@ -69,6 +71,7 @@ class RecordingOptions:
 
     threads: int | None = None
     verify_penalty: bool = False
+    verify_mesh: bool = False
     force: bool = False
     max_minutes: float | None = None
     pictures: bool = True
@@ -115,7 +118,8 @@ class Recording:
     OutputError
         While iterating: the folder cannot be used or written.
     CaseError
-        While iterating: the scene cannot be meshed. At once: there is no penalty to verify.
+        While iterating: the scene cannot be meshed. At once: there is no penalty to verify, or errors are estimated
+        and leave nothing to verify of the mesh.
     """
 
     def __init__(
@@ -129,6 +133,8 @@ class Recording:
     ) -> None:
         if options.verify_penalty:
             check_has_penalty(case)
+        if options.verify_mesh:
+            check_has_no_estimate(case)
         self._case, self._out, self._additions = case, Path(out), additions
         self._options, self._restart = options, restart
         self.summary: dict[str, Any] = {}
@@ -154,7 +160,7 @@ class Recording:
         with self._folder() as folder:
             simulation = self._additions.simulation(self._case, clock)
             checkpoint = self._checkpoint(simulation)
-            outcome, message, verified = None, "", None
+            outcome, message, verified = None, "", dict[str, Any]()
             with use_threads(self._options.threads, simulation.space.unknowns):
                 try:
                     for step in simulation.accepted_steps(checkpoint):
@@ -180,8 +186,7 @@ class Recording:
             with clock.phase("pictures"):
                 folder.draw(title=self._case.title, certified=self.certified, onset=onset_of_growth(simulation, steps))
             self.summary = run_summary(self._case.title, simulation, steps, self.outcome, self.certified)
-            if verified is not None:
-                self.summary["stiffer_penalty"] = verified
+            self.summary |= verified
             self.summary["versions"] = _versions()
             self.summary["seconds"] = _seconds(clock, perf_counter() - started, process_time() - before)
             if outcome is not Outcome.OUT_OF_TIME:  # such a run is stopped, and can be resumed
@@ -207,16 +212,16 @@ class Recording:
         except (ValueError, KeyError, TypeError, LookupError) as error:
             raise cannot_resume(self._out, f"the checkpoint does not fit the case ({error})") from error
 
-    def _verified(self, steps: list[StepReport], simulation: Simulation) -> dict[str, Any] | None:
-        if not self._options.verify_penalty:
-            return None
-        raised = getattr(simulation.contact, "raised", 1.0)
-        try:
-            return stiffer_result(self._case, self._additions, steps[-1], raised, end=simulation.clock.end)
-        except StepFailed as failure:
-            return {"failed": failure.outcome.value}
-        except OutOfTime:
-            return {"failed": Outcome.OUT_OF_TIME.value}
+    def _verified(self, steps: list[StepReport], simulation: Simulation) -> dict[str, Any]:
+        """Return what was asked for to be verified, by its name in the summary."""
+        case, additions, last, end = self._case, self._additions, steps[-1], simulation.clock.end
+        found: dict[str, Any] = {}
+        if self._options.verify_penalty:
+            raised = getattr(simulation.contact, "raised", 1.0)
+            found["stiffer_penalty"] = _or_failed(lambda: stiffer_result(case, additions, last, raised, end=end))
+        if self._options.verify_mesh:
+            found["finer_mesh"] = _or_failed(lambda: finer_result(case, additions, last.record, end=end))
+        return found
 
     def _judge(self, steps: list[StepReport], failure: Outcome | None) -> None:
         in_balance = failure is None and all(step.record.certified for step in steps)
@@ -230,6 +235,16 @@ def recorded_text(case: AnyCase | BodyScene, additions: Additions) -> str:
     """Return what `case.toml` says of a run: the case, and as comments the file of its tissue and what a script added.
     """
     return resolved_toml(case) + file_told(case) + additions.told
+
+
+def _or_failed(verify: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+    """Return what a verification finds, or why it finds nothing: the run that it verifies has ended well."""
+    try:
+        return verify()
+    except StepFailed as failure:
+        return {"failed": failure.outcome.value}
+    except OutOfTime:
+        return {"failed": Outcome.OUT_OF_TIME.value}
 
 
 def _on_the_way(simulation: Simulation) -> str:

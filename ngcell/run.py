@@ -84,6 +84,7 @@ def record(
     options: Options | None = None,
     threads: int | None = None,
     verify_penalty: bool = False,
+    verify_mesh: bool = False,
     force: bool = False,
     max_minutes: float | None = None,
     pictures: bool = True,
@@ -94,7 +95,7 @@ def record(
     replaced when this run accepts its first step. For `terms` to `options` see `simulate`, for the others
     `ngcell.recording.RecordingOptions`.
     """
-    how = RecordingOptions(threads, verify_penalty, force, max_minutes, pictures)
+    how = RecordingOptions(threads, verify_penalty, verify_mesh, force, max_minutes, pictures)
     return Recording(case, out, additions=Additions(terms, observables, strategy, options), options=how)
 
 
@@ -108,6 +109,7 @@ def resume(
     options: Options | None = None,
     threads: int | None = None,
     verify_penalty: bool = False,
+    verify_mesh: bool = False,
     max_minutes: float | None = None,
     pictures: bool = True,
 ) -> Recording:
@@ -123,7 +125,7 @@ def resume(
         The scene of a run that was made from Python, which no file holds in full.
     terms, observables, strategy, options
         What the run was given by a script, as for `simulate`; no file holds it.
-    threads, verify_penalty, max_minutes, pictures
+    threads, verify_penalty, verify_mesh, max_minutes, pictures
         As for `record`.
 
     Raises
@@ -133,7 +135,9 @@ def resume(
     """
     out = Path(out)
     additions = Additions(terms, observables, strategy, options)
-    how = RecordingOptions(threads, verify_penalty, False, max_minutes, pictures)
+    how = RecordingOptions(
+        threads, verify_penalty, verify_mesh, max_minutes=max_minutes, pictures=pictures
+    )
     summary = read_summary(out)
     if summary.get("status") == "finished":
         raise OutputError(f"{out} needs no resuming: the run has ended ({summary.get('outcome')})")

@@ -81,7 +81,8 @@ def stages_of(scene: AnyCase | BodyScene) -> tuple[Stage, ...]:
     if not_estimated(scene):
         return (_stage(scene, mesh.plain_order, grading or 0),)
     if given is not None:
-        return _stage(scene, given, grading or 0), _stage(scene, given + 1, grading or 0, is_reported=False)
+        kept = _stage(scene, given, grading or 0)
+        return kept, one_order_more(kept)
     if is_tissue and grading is None and _has_meshed_lumens(scene):
         # Lumens that Netgen meshes are meshed anew for each grading: none is part of another.
         lowest = _FILLED if getattr(getattr(scene, "tissue", None), "height", None) is None else 2
@@ -91,6 +92,11 @@ def stages_of(scene: AnyCase | BodyScene) -> tuple[Stage, ...]:
     else:
         chosen = [(order, grading or 0) for order in range(2, HIGHEST_ORDER + 1)]
     return tuple(_stage(scene, *step) for step in chosen)
+
+
+def one_order_more(stage: Stage) -> Stage:
+    """Return the mesh of a stage with elements of one order more, which serves an estimate only."""
+    return _stage(stage.scene, stage.order + 1, stage.grading, is_reported=False)
 
 
 def not_estimated(scene: AnyCase | BodyScene) -> str:

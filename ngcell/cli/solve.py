@@ -59,6 +59,11 @@ def _finite(ctx: click.Context, parameter: click.Parameter, value: float | None)
     "--verify-penalty", is_flag=True, help="Repeat the last level with a stiffer penalty and report what changes."
 )
 @click.option(
+    "--verify-mesh",
+    is_flag=True,
+    help="Repeat a run whose errors are not estimated with elements of one order more, and report its errors.",
+)
+@click.option(
     "--members",
     metavar="N",
     type=click.IntRange(min=2),
@@ -83,6 +88,7 @@ def solve(
     max_minutes: float | None,
     threads: int | None,
     verify_penalty: bool,
+    verify_mesh: bool,
     members: int | None,
     seed: int | None,
     spread: float | None,
@@ -108,15 +114,18 @@ def solve(
         raise click.UsageError("--resume DIR replaces nothing: no --force")
     if members is None and (seed is not None or spread is not None):
         raise click.UsageError("--seed and --spread say which members are run: together with --members N only")
-    if members is not None and (resume is not None or verify_penalty):
-        raise click.UsageError("--members takes neither --resume DIR, which knows its members, nor --verify-penalty")
+    if members is not None and (resume is not None or verify_penalty or verify_mesh):
+        raise click.UsageError(
+            "--members takes neither --resume DIR, which knows its members, nor --verify-penalty or --verify-mesh"
+        )
     scene, folder, accepted = _task(case, overrides, out, resume, suffix="" if members is None else "-members")
     if members is not None or holds_members(folder, resume):
         given = {"count": members, "seed": seed or 0, "spread": spread}
         options = {"threads": threads, "force": force, "max_minutes": max_minutes}
         _solve_members(scene, folder, given, options, quiet, verbose)
         return
-    how: dict[str, Any] = {"threads": threads, "verify_penalty": verify_penalty, "max_minutes": max_minutes}
+    verify = {"verify_penalty": verify_penalty, "verify_mesh": verify_mesh}
+    how: dict[str, Any] = {"threads": threads, "max_minutes": max_minutes, **verify}
     try:
         from ngcell import run
 

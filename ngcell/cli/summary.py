@@ -15,6 +15,7 @@ from ngcell.results.verdict import (
     checks_not_passed,
     error_remark,
     headline,
+    how_estimated,
     last_load,
     last_numbers,
     with_error,
@@ -43,6 +44,7 @@ def summary_lines(recording: Recording, folder: Path) -> Iterator[str]:
     yield from rupture_lines(summary.get("rupture", {}))
     yield from expected_lines(summary.get("expected", ()))
     yield from stiffer_lines(summary.get("stiffer_penalty", {}))
+    yield from finer_lines(summary.get("finer_mesh", {}))
     seconds = (summary.get("seconds") or {}).get("on_the_clock")
     took = "" if seconds is None else f", after {duration(seconds)}"
     yield f"results      {folder}{took}; on one page: ngcell report {quote(str(folder))}"
@@ -52,7 +54,7 @@ def number_lines(summary: Mapping[str, Any]) -> Iterator[str]:
     """Yield the numbers of the last step with their estimated errors, or why these are not known."""
     if not summary.get("last_step"):
         return
-    remark = error_remark(summary) or "with estimated errors"
+    remark = error_remark(summary) or how_estimated(summary)
     refused = "" if summary.get("certified", True) else "NOT CERTIFIED; "
     yield f"how sure     {refused}{last_load(summary)}; {remark}"
     for name, (value, error) in last_numbers(summary).items():
@@ -107,11 +109,24 @@ def stiffer_lines(table: Mapping[str, Any]) -> Iterator[str]:
         yield f"penalty      not verified: {table['failed']}"
     elif table:
         yield f"penalty      the last level with penalty terms {_shown(table['stiffness_factor'])} times as stiff"
-        rows = {name: row for name, row in table.items() if isinstance(row, Mapping)}
-        width = max(map(len, rows))
-        for name, row in rows.items():
-            change = "" if row["change"] is None else f"{row['change']:+10.1e}"
-            yield f"  {_words(name):{width}}  {_shown(row['meant']):>10}  {_shown(row['stiffer']):>10}  {change}"
+        yield from _compared_lines(table, "stiffer")
+
+
+def finer_lines(table: Mapping[str, Any]) -> Iterator[str]:
+    """Yield how results change with a finer mesh; nothing if that was not asked for."""
+    if "failed" in table:
+        yield f"mesh         not verified: {table['failed']}"
+    elif table:
+        yield f"mesh         the last level with elements of order {table['order']}"
+        yield from _compared_lines(table, "finer")
+
+
+def _compared_lines(table: Mapping[str, Any], other: str) -> Iterator[str]:
+    rows = {name: row for name, row in table.items() if isinstance(row, Mapping)}
+    width = max(map(len, rows))
+    for name, row in rows.items():
+        change = "" if row["change"] is None else f"{row['change']:+10.1e}"
+        yield f"  {_words(name):{width}}  {_shown(row['meant']):>10}  {_shown(row[other]):>10}  {change}"
 
 
 def table_lines(table: Mapping[str, Any], indent: int = 0) -> Iterator[str]:

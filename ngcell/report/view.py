@@ -22,6 +22,7 @@ from ngcell.results.verdict import (
     checks_not_passed,
     error_remark,
     headline,
+    how_estimated,
     is_finished,
     last_load,
     last_numbers,
@@ -155,7 +156,7 @@ def told_numbers(summary: Mapping[str, Any]) -> list[Told]:
 
 def _last_level(summary: Mapping[str, Any]) -> str:
     load = last_load(summary)
-    known = "" if error_remark(summary) else ", with estimated errors"
+    known = "" if error_remark(summary) else f", {how_estimated(summary)}"
     return f"At the last level ({load}){known}:" if load else ""
 
 

@@ -91,11 +91,19 @@ def error_remark(summary: Summary) -> str:
     if summary.get("nothing_strained"):
         return "no wall is strained; energy and forces are zero"
     reason = summary.get("error_not_estimated")
+    if reason and "order" in (summary.get("finer_mesh") or {}):
+        return ""
     if reason:
         return f"errors not estimated: {reason}"
     last = summary.get("last_step") or {}
     known = last.get("energy_error")
     return "" if known is not None and isfinite(known) else "the error of the last step could not be estimated"
+
+
+def how_estimated(summary: Summary) -> str:
+    """Return in words where the errors of the last step are from."""
+    order = (summary.get("finer_mesh") or {}).get("order")
+    return "with estimated errors" if order is None else f"with errors that elements of order {order} tell"
 
 
 def last_load(summary: Summary) -> str:
@@ -116,11 +124,12 @@ def last_numbers(summary: Summary) -> dict[str, tuple[float, float | None]]:
 
     Walls that are still tied have neither gaps nor contact forces; where nothing is strained there are only gaps.
     """
-    last = summary.get("last_step") or {}
+    last, finer = summary.get("last_step") or {}, summary.get("finer_mesh") or {}
     sizes = {"plate_force": hypot(*(last.get(f"plate_force_{axis}") or 0.0 for axis in "xyz"))} if last else {}
     found = {}
     for name in _names(summary):
-        value, error = sizes.get(name, last.get(name)), last.get(f"{name}_error")
+        row = finer.get(name) or {"error": last.get(f"{name}_error")}
+        value, error = sizes.get(name, last.get(name)), row["error"]
         if value is not None:
             found[name] = (value, error if error is not None and isfinite(error) else None)
     return found

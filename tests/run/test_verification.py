@@ -1,15 +1,24 @@
-"""What a stiffer penalty moves, as a run reports it."""
+"""What a stiffer penalty or a finer mesh moves, as a run reports it."""
 
 from __future__ import annotations
 
-from math import inf
+from math import hypot, inf
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from ngcell import BodyCase, Case, record
+from ngcell import BodyCase, Case, read_case, record
+from ngcell import recording as recording_module
+from ngcell.build.additions import Additions
+from ngcell.build.simulation import Simulation
 from ngcell.cli.summary import summary_lines
+from ngcell.clock import Clock
 from ngcell.errors import CaseError
+from ngcell.results.record import StepRecord
+from ngcell.scene import AnyCase, BodyScene
+from ngcell.solve.outcome import Outcome
+from ngcell.solve.step import StepFailed
 
 
 def sheared_pair(contact: str) -> Case:
@@ -70,3 +79,85 @@ def test_where_penalty_terms_were_raised_the_stiffer_ones_are_stiffer_than_these
     error = soft.contact_force / exact.contact_force - 1
     assert -0.01 < error < -0.001
     assert summary["stiffer_penalty"]["contact_force"]["change"] == pytest.approx(-0.9 * error, rel=0.03)
+
+
+BONDED = (
+    "tissue.rows=1", "tissue.cols=2", "load.displacement=[0.2, 0.0]", "load.levels=2", "cohesion.strength=0.0125",
+    "cohesion.energy=0.000375",
+)  # fmt: skip
+
+
+def bonded(order: int, *sets: str) -> Case:
+    case = read_case("shear-cohesive", [*BONDED, f"mesh.order={order}", *sets])
+    assert isinstance(case, Case)
+    return case
+
+
+def last(case: Case, out: Path, **options: bool) -> tuple[StepRecord, dict[str, Any]]:
+    recording = record(case, out, pictures=False, **options)
+    *_, step = recording
+    return step, recording.summary
+
+
+def test_one_order_more_tells_how_far_bonded_cells_are_from_a_much_finer_mesh(tmp_path: Path) -> None:
+    """Of bonds, which remember their way, nothing else tells an error."""
+    coarse, summary = last(bonded(2), tmp_path / "coarse", verify_mesh=True)
+    fine, _ = last(bonded(5), tmp_path / "fine")
+    table = summary["finer_mesh"]
+    assert table["order"] == 3 and table["parted_pairs"]["meant"] == coarse.parted_pairs
+    names = ("energy", "mean_gap", "separation_energy")
+    found = {name: abs(getattr(coarse, name) - getattr(fine, name)) for name in names}
+    off = hypot(coarse.plate_force_x - fine.plate_force_x, coarse.plate_force_y - fine.plate_force_y)
+    for name, error in {**found, "plate_force": off}.items():
+        assert table[name]["error"] > 0.8 * error, name
+        assert name == "mean_gap" or table[name]["error"] < 3 * error, name  # which errs by hardly anything, by chance
+    assert table["plate_force"]["meant"] == pytest.approx(hypot(coarse.plate_force_x, coarse.plate_force_y))
+
+
+def test_errors_that_a_finer_mesh_tells_stand_beside_the_numbers(tmp_path: Path) -> None:
+    recording = record(bonded(1), tmp_path / "out", pictures=False, verify_mesh=True)
+    assert list(recording)
+    table = recording.summary["finer_mesh"]
+    shown = list(summary_lines(recording, tmp_path))
+    (how,) = (line for line in shown if line.startswith("how sure"))
+    assert how.endswith("with errors that elements of order 2 tell")
+    (energy,) = (line for line in shown if line.startswith("  energy  ") and "±" in line)
+    assert f"± {100 * table['energy']['error'] / table['energy']['meant']:.0f} %" in energy
+    assert any(line.startswith("mesh         the last level with elements of order 2") for line in shown)
+
+
+def test_hollow_cells_are_solved_again_at_the_last_level_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Levels of a tissue do not depend on each other."""
+    case = sheared_pair("penalty")
+    solved: list[AnyCase | BodyScene] = []
+
+    def noted(self: Additions, scene: AnyCase | BodyScene, clock: Clock | None = None) -> Simulation:
+        solved.append(scene)
+        return Simulation(scene, clock)
+
+    monkeypatch.setattr(Additions, "simulation", noted)
+    _, summary = last(case, tmp_path / "out", verify_mesh=True)
+    assert [len(scene.level_factors) for scene in solved] == [2, 1]
+    assert summary["finer_mesh"]["order"] == 3 and "separation_energy" not in summary["finer_mesh"]
+    assert 0 < summary["finer_mesh"]["energy"]["error"] < 0.5 * summary["finer_mesh"]["energy"]["meant"]
+
+
+def test_where_errors_are_estimated_there_is_nothing_to_verify_of_the_mesh(tmp_path: Path) -> None:
+    case = sheared_pair("penalty").model_copy(update={"accuracy": 0.1})
+    with pytest.raises(CaseError, match="errors of this case are estimated by finer meshes"):
+        record(case, tmp_path / "out", verify_mesh=True)
+
+
+def test_a_finer_mesh_without_an_equilibrium_costs_the_run_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def failed(*_: object, **__: object) -> dict[str, Any]:
+        raise StepFailed(Outcome.RELEASE_FAILED, 1.0)
+
+    monkeypatch.setattr(recording_module, "finer_result", failed)
+    recording = record(sheared_pair("penalty"), tmp_path / "out", pictures=False, verify_mesh=True)
+    assert list(recording) and recording.certified
+    assert recording.summary["finer_mesh"] == {"failed": Outcome.RELEASE_FAILED.value}
+    shown = list(summary_lines(recording, tmp_path))
+    assert any(line.startswith("mesh         not verified: ") for line in shown)
+    assert any(line.endswith("errors not estimated: accuracy = inf") for line in shown)
