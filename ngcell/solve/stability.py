@@ -21,7 +21,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Ending, Minimum
@@ -133,6 +132,8 @@ def modes_as_low(
     ARPACK starts again within the space that it has found (Lehoucq, Sorensen and Yang, ARPACK Users' Guide, 1998,
     doi:10.1137/1.9780898719628).
     """
+    from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh  # few runs need it
+
     weight, free = -options.farther * lowest.curvature, minimiser.problem.free
     solve, mass = minimiser.stiffened(minimum, weight), minimiser.problem.mass[free][:, free]
     count = min(options.most_modes, mass.shape[0] - 1)
