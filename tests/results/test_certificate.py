@@ -119,6 +119,20 @@ def test_plates_that_pass_each_other_are_no_load(fall):
         tissue((0.3, fall))
 
 
+@pytest.mark.parametrize("lumen", [None, {"kind": "fluid", "fill": 0.75}])
+def test_plates_that_meet_at_rest_are_no_load(lumen):
+    """Both hold the corners at half of the height of a lone cell that lies on a side."""
+    entries = {
+        "tissue": {"rows": 1, "cols": 1, "wall": 0.1, "orientation": "flat"},
+        "material": {"kind": "mooney-rivlin", "c1": 1.0, "c2": 1.0, "bulk_modulus": 50.0},
+        "load": {"kind": "plates", "displacement": [0.0, 0.1]},
+        "accuracy": np.inf,
+        **({} if lumen is None else {"lumen": lumen}),
+    }
+    with pytest.raises(CaseError, match="plates are not apart at rest"):
+        Simulation(Case.model_validate(entries))
+
+
 def test_plates_that_keep_their_sides_are_a_load():
     assert tissue((5.0, -0.99)).levels == (1.0,)
 

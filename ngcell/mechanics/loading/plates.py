@@ -19,6 +19,9 @@ from ngcell.scene.section import PlanarVector, PositiveNumber
 
 Array = NDArray[np.float64]
 
+#: Distance of plates that are not apart, as a share of the tissue's height: round-off.
+_APART = 1e-9
+
 
 class Plates(EndsOfPrisms):
     """Two plates: the outer walls that face down are held, those that face up are moved, the sides free or confined.
@@ -69,7 +72,7 @@ class Plates(EndsOfPrisms):
         Raises
         ------
         CaseError
-            If the plates pass each other.
+            If the plates meet at rest, or pass each other.
         """
         (lower, upper), moved = self._plates(space), self.prescribed_displacement(space)
 
@@ -98,6 +101,7 @@ class Plates(EndsOfPrisms):
         height = space.rest[1]
         lower = float(height[_vertices(space, LOWER_PLATE)].max())
         upper = float(height[_vertices(space, UPPER_PLATE)].min())
+        _check_apart(upper - lower, float(np.ptp(height)))
         _check_sides(self.prescribed_displacement(space)[1], upper - lower)
         return lower, upper
 
@@ -116,6 +120,15 @@ class Plates(EndsOfPrisms):
         elif self.stretch is not None:
             moved[1] = (self.stretch - 1) * np.ptp(space.bodies.extent[:, 1])
         return moved
+
+
+def _check_apart(distance: float, extent: float) -> None:
+    """Refuse plates that meet at rest: a corner that both hold would have to go both ways."""
+    if distance <= _APART * extent:
+        raise CaseError(
+            f"load: the plates are not apart at rest, the upper one begins {distance:.3g} above the highest point of "
+            "the lower one; allowed: tissues whose plates are apart, as those of more rows"
+        )
 
 
 def _check_sides(rise: float, distance: float) -> None:
