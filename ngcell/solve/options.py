@@ -63,8 +63,8 @@ class MinimiserOptions:
         the energy, as where walls end at a corner of three cells. As many iterations whose steps were refused at first,
         and that gained less together than the minimisation is to be exact, creep along such a kink.
     last_digit, cheap : float, float
-        Length to which places on the way are rounded, as a share of the longest step, infinite where they are not, as
-        without accuracy; and the share of what a step gains that this may cost.
+        Length to which places on the way are rounded, as a share of the longest step, and the share of what a step
+        gains that this may cost.
     touching, noise : float, float
         Gap below which a prediction keeps walls closed; and round-off of an energy at rest as a share of the scale.
     most_refusals, most_iterations : int

@@ -85,10 +85,13 @@ def stable_minimum(
         mode = lowest_mode(minimiser, minimum, options, scale=scale)
         curvature, below = mode.curvature, None
         if curvature < -options.negative * scale:
-            modes = modes_as_low(minimiser, minimum, mode, options)
-            curvature, below = _below(minimiser, minimum, [length * mode.direction for mode in modes], options)
+            curvature, below = _below(minimiser, minimum, [length * mode.direction], options)
         if below is None:
             return replace(minimum, lowest_curvature=curvature / scale)
+        modes = modes_as_low(minimiser, minimum, mode, options)
+        if len(modes) > 1:
+            _, lowest = _below(minimiser, minimum, [length * each.direction for each in modes], options)
+            below = lowest or below
         _log.info("a saddle is left: energy %.8e, then %.8e", minimum.state.energy, below.state.energy)
         saddle, minimum = minimum, until_met(below)
         if minimum.ending is Ending.NO_ENERGY:  # it was folded between the points of a rule that is finer now
