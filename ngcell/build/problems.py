@@ -272,6 +272,8 @@ class Problems:
     def _minimiser(self, problem: Problem, longest_step: float) -> Minimiser:
         volume = float(self.space.one @ self.space.scalar_mass @ self.space.one)
         scale, options = self._scales.stiffest * volume, self.options.solver.minimiser
+        if not isfinite(self.setup.accuracy):  # the path goes to the last digits
+            options = replace(options, cheap=options.cheap_at_last)
         return Minimiser(problem, longest_step, scale, options=options, clock=self.clock, budget=self._budget)
 
     def problem_of(self, phase: str, *, only_leads: bool = False) -> Problem:

@@ -62,9 +62,9 @@ class MinimiserOptions:
         as many iterations as `idle` left it at its lowest: forces are round-off, or steps go to and fro at a kink of
         the energy, as where walls end at a corner of three cells. As many iterations whose steps were refused at first,
         and that gained less together than the minimisation is to be exact, creep along such a kink.
-    last_digit, cheap : float, float
+    last_digit, cheap, cheap_at_last : float, float, float
         Length to which places on the way are rounded, as a share of the longest step, and the share of what a step
-        gains that this may cost.
+        gains that this may cost, with an accuracy and without: the path then goes to the last digits.
     touching, noise : float, float
         Gap below which a prediction keeps walls closed; and round-off of an energy at rest as a share of the scale.
     most_refusals, most_iterations : int
@@ -95,6 +95,7 @@ class MinimiserOptions:
     idle: int = 5
     last_digit: float = 1e-5
     cheap: float = 0.01
+    cheap_at_last: float = 0.001
     touching: float = 1e-6
     noise: float = 1e-16
     most_refusals: int = 25
