@@ -105,25 +105,22 @@ def expected_lines(findings: Sequence[Mapping[str, Any]]) -> Iterator[str]:
 
 def stiffer_lines(table: Mapping[str, Any]) -> Iterator[str]:
     """Yield how results change with a stiffer penalty; nothing if that was not asked for."""
-    if "failed" in table:
-        yield f"penalty      not verified: {table['failed']}"
-    elif table:
-        yield f"penalty      the last level with penalty terms {_shown(table['stiffness_factor'])} times as stiff"
-        yield from _compared_lines(table, "stiffer")
+    return _verified_lines("penalty", table, "with penalty terms {stiffness_factor:.4g} times as stiff", "stiffer")
 
 
 def finer_lines(table: Mapping[str, Any]) -> Iterator[str]:
     """Yield how results change with a finer mesh; nothing if that was not asked for."""
+    return _verified_lines("mesh", table, "with elements of order {order}", "finer")
+
+
+def _verified_lines(what: str, table: Mapping[str, Any], how: str, other: str) -> Iterator[str]:
     if "failed" in table:
-        yield f"mesh         not verified: {table['failed']}"
-    elif table:
-        yield f"mesh         the last level with elements of order {table['order']}"
-        yield from _compared_lines(table, "finer")
-
-
-def _compared_lines(table: Mapping[str, Any], other: str) -> Iterator[str]:
+        yield f"{what:12} not verified: {table['failed']}"
+        return
     rows = {name: row for name, row in table.items() if isinstance(row, Mapping)}
-    width = max(map(len, rows))
+    if rows:
+        yield f"{what:12} the last level {how.format(**table)}"
+    width = max(map(len, rows), default=0)
     for name, row in rows.items():
         change = "" if row["change"] is None else f"{row['change']:+10.1e}"
         yield f"  {_words(name):{width}}  {_shown(row['meant']):>10}  {_shown(row[other]):>10}  {change}"

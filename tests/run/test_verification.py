@@ -87,8 +87,8 @@ BONDED = (
 )  # fmt: skip
 
 
-def bonded(order: int, *sets: str) -> Case:
-    case = read_case("shear-cohesive", [*BONDED, f"mesh.order={order}", *sets])
+def bonded(order: int) -> Case:
+    case = read_case("shear-cohesive", [*BONDED, f"mesh.order={order}"])
     assert isinstance(case, Case)
     return case
 
