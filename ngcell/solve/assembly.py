@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.clock import Clock
+from ngcell.solve.coarse import Bodies
 from ngcell.solve.one_sided import Matrix, OneSidedModel
 from ngcell.solve.options import MinimiserOptions
 from ngcell.solve.problem import Linearisation, Problem, State
@@ -112,4 +113,5 @@ class Assembly:
             self._system = iterative_system(self.problem)
         elif self._system is None:
             touched = np.unique(np.concatenate(self.problem.couplings(state, 0.0)))
-            self._system = direct_system(self.problem, touched, self.options.near * self.longest_step)
+            bodies = Bodies.of(self.problem.part, self.options.inner.coarse)
+            self._system = direct_system(self.problem, touched, self.options.near * self.longest_step, bodies)

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ngcell.solve.cliques import Cliques, find_cliques
+from ngcell.solve.coarse import Bodies, CoarseSpace
 from ngcell.solve.growing import GrowingMatrix
 from ngcell.solve.linear import SymmetricMatrix
-from ngcell.solve.one_sided import OneSidedModel
+from ngcell.solve.one_sided import Coarse, OneSidedModel
 from ngcell.solve.stiffness import Stiffness
 
 Array = NDArray[np.float64]
@@ -36,9 +37,16 @@ class Elimination:
         Rows that are solved for.
     touched : array of bool, shape (size,)
         Unknowns that are kept, whatever the pattern.
+    bodies : Bodies or None
+        Which bodies unknowns are of, if modes of bodies are of use.
+
+    Attributes
+    ----------
+    space : CoarseSpace or None
+        The low modes of bodies, if they are of use.
     """
 
-    def __init__(self, whole: SymmetricMatrix, free: Mask, touched: Mask) -> None:
+    def __init__(self, whole: SymmetricMatrix, free: Mask, touched: Mask, bodies: Bodies | None) -> None:
         lower, size = whole.lower_pattern, whole.size
         row = np.repeat(np.arange(size), np.diff(lower.indptr))
         inside = free[row] & free[lower.indices]
@@ -53,6 +61,7 @@ class Elimination:
         self._is_left = is_kept[row] & is_kept[lower.indices]
         rows, columns = self._number[row[self._is_left]], self._number[lower.indices[self._is_left]]
         self.matrix = GrowingMatrix(len(self.kept), free[self.kept], rows, columns)
+        self.space = None if bodies is None else bodies.space(self.matrix.lasting, free, self.kept)
         self._triangles = [self._triangle(cliques) for cliques in self.cliques]
 
     def _triangle(self, cliques: Cliques) -> tuple[Index, Index, Index]:
@@ -61,6 +70,12 @@ class Elimination:
         row, column = np.tril_indices(cliques.around.shape[1])
         around = self._number[cliques.around]
         return row, column, self.matrix.locate(around[:, row].ravel(), around[:, column].ravel())
+
+    def forget(self) -> None:
+        """Make room for closed walls anew, and find modes anew."""
+        self.matrix.forget()
+        if self.space is not None:
+            self.space.forget()
 
     def keeps(self, unknowns: Index) -> bool:
         """Return whether all of these are kept."""
@@ -152,6 +167,7 @@ class Reduced:
     matrix: GrowingMatrix
     condensed: Condensed
     right: Array
+    space: CoarseSpace | None
 
     def whole(self, step: Array) -> Array:
         """Return the step of all unknowns."""
@@ -161,6 +177,11 @@ class Reduced:
     def change(self) -> float:
         """Change of the model as what is eliminated finds its minimum."""
         return self.condensed.change(self.right, self._alone)
+
+    @cached_property
+    def coarse(self) -> Coarse | None:
+        """The model among low modes of bodies; None without penalty terms, or among few bodies."""
+        return None if self.space is None or not len(self.model.gap) else self.space.of(self.model)
 
     @cached_property
     def _alone(self) -> list[Array]:
@@ -178,14 +199,25 @@ class CondensedMatrix:
         Unknowns that penalty terms may touch. Others that they do touch are kept from then on.
     near : float
         Gap up to which walls are next to closing [length].
+    bodies : Bodies, optional
+        Which bodies unknowns are of, if modes of bodies are of use.
     """
 
-    def __init__(self, size: int, free: Mask, rows: Index, columns: Index, touched: Index, near: float) -> None:
+    def __init__(
+        self,
+        size: int,
+        free: Mask,
+        rows: Index,
+        columns: Index,
+        touched: Index,
+        near: float,
+        bodies: Bodies | None = None,
+    ) -> None:
         self._whole = SymmetricMatrix(size, free, rows, columns)
-        self._free, self._near = free, near
+        self._free, self._near, self._bodies = free, near, bodies
         self._touched = np.zeros(size, dtype=bool)
         self._touched[touched] = True
-        self._elimination = self._first = Elimination(self._whole, free, self._touched)
+        self._elimination = self._first = Elimination(self._whole, free, self._touched, bodies)
         self._found: tuple[Stiffness, Condensed] | None = None
         self._solved: Condensed | None = None
 
@@ -201,7 +233,7 @@ class CondensedMatrix:
     def forget(self) -> None:
         """Make room for closed walls anew, and keep what was kept at first."""
         self._elimination, self._found, self._solved = self._first, None, None
-        self._elimination.matrix.forget()
+        self._elimination.forget()
 
     def factorise(self, stiffness: Stiffness, jacobian: sparse.csr_array, penalty: Array) -> None:
         """Factorise the matrix of what is left, with penalty terms."""
@@ -232,7 +264,7 @@ class CondensedMatrix:
         right = -model.gradient
         free = self._free[self._elimination.kept]
         left = OneSidedModel(-condensed.right(right), condensed.stiffness, model.gap, jacobian, model.penalty, free)
-        return Reduced(left, matrix, condensed, right)
+        return Reduced(left, matrix, condensed, right, self._elimination.space)
 
     def _condensed(self, stiffness: Stiffness, jacobian: sparse.csr_array) -> Condensed:
         """Return a matrix, condensed; all unknowns that contact touches are kept."""
@@ -242,7 +274,7 @@ class CondensedMatrix:
             touched[self._elimination.kept] = True
             for part in parts:
                 touched[part.indices] = True
-            self._elimination, self._found = Elimination(self._whole, self._free, touched), None
+            self._elimination, self._found = Elimination(self._whole, self._free, touched, self._bodies), None
         if self._found is None or self._found[0] is not stiffness:
             self._found = stiffness, self._elimination.of(stiffness)
         return self._found[1]

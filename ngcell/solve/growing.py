@@ -27,16 +27,21 @@ class GrowingMatrix:
     ----------
     size, free, rows, columns
         The pattern that lasts; see `SymmetricMatrix`.
+
+    Attributes
+    ----------
+    lasting : SymmetricMatrix
+        A matrix of the lasting pattern alone.
     """
 
     def __init__(self, size: int, free: Mask, rows: Index, columns: Index) -> None:
-        self._base, self._free = SymmetricMatrix(size, free, rows, columns), free
+        self.lasting, self._free = SymmetricMatrix(size, free, rows, columns), free
         self._expected: sparse.csr_array | None = None
         self._roomy: tuple[SymmetricMatrix, Index] | None = None
 
     def locate(self, rows: Index, columns: Index) -> Index:
         """Return the positions of entries of the lasting pattern in the array of values."""
-        return self._base.locate(rows, columns)
+        return self.lasting.locate(rows, columns)
 
     def expect(self, jacobian: sparse.csr_array) -> None:
         """Let the next pattern have room for these penalty terms."""
@@ -62,14 +67,14 @@ class GrowingMatrix:
     def _with_room(self, row: Index, column: Index) -> tuple[SymmetricMatrix, Index]:
         """Return a matrix with room for these entries and for those expected, and where the lasting ones stand in it.
         """
-        own = self._base.entries
+        own = self.lasting.entries
         parts = [own, (row, column)]
         if self._expected is not None:
             ones = self._expected.copy()
             ones.data[:] = 1.0  # no product of derivatives vanishes by accident
             parts.append(lower_entries(ones.T @ ones)[:2])
         rows, columns = (np.concatenate(part) for part in zip(*parts, strict=True))
-        matrix = SymmetricMatrix(self._base.size, self._free, rows, columns)
+        matrix = SymmetricMatrix(self.lasting.size, self._free, rows, columns)
         return matrix, matrix.locate(*own)
 
     @property
@@ -88,7 +93,7 @@ class GrowingMatrix:
 
     def multiply(self, stiffness: Stiffness, vector: Array) -> Array:
         """Return the product of the symmetric matrix and a vector."""
-        return np.asarray(self._base.multiply(stiffness.values, vector) + stiffness.moved(vector))
+        return np.asarray(self.lasting.multiply(stiffness.values, vector) + stiffness.moved(vector))
 
     def reduced(self, model: OneSidedModel) -> None:
         """Return nothing: all of it is factorised."""

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.solve.one_sided import Matrix, OneSidedModel
+from ngcell.solve.one_sided import Coarse, Matrix, OneSidedModel
 from ngcell.solve.options import InnerOptions
 
 Array = NDArray[np.float64]
@@ -77,8 +77,8 @@ def minimise_one_sided(model: OneSidedModel, matrix: Matrix, options: InnerOptio
     """Return a step that nearly minimises the model."""
     reduced = matrix.reduced(model)
     if reduced is None:
-        return _minimised(model, matrix, options)
-    found = _minimised(reduced.model, reduced.matrix, options)
+        return _minimised(model, None, matrix, options)
+    found = _minimised(reduced.model, reduced.coarse, reduced.matrix, options)
     step, uphill = reduced.whole(found.step), found.uphill
     if uphill is not None:
         before, change = reduced.whole(uphill.step), uphill.change
@@ -87,9 +87,14 @@ def minimise_one_sided(model: OneSidedModel, matrix: Matrix, options: InnerOptio
     return replace(found, step=step, change=reduced.change + found.change, uphill=uphill)
 
 
-def _minimised(model: OneSidedModel, matrix: Matrix, options: InnerOptions) -> InnerStep:
+def _minimised(model: OneSidedModel, coarse: Coarse | None, matrix: Matrix, options: InnerOptions) -> InnerStep:
     descent, change, uphill = Descent(model, matrix, options.lost), 0.0, None
     for _ in range(options.most_rounds):
+        if coarse is not None:
+            way, gained = _among_modes(coarse, descent, options)
+            descent.move(way)
+            change += gained
+            coarse = coarse if gained < options.coarse.worthwhile_gain * change else None
         last, closed = descent.step, descent.gap < 0
         settled = descent.advance(model.gap)
         before, change = change, model.change(descent.step, descent.curved, descent.moved)
@@ -98,6 +103,15 @@ def _minimised(model: OneSidedModel, matrix: Matrix, options: InnerOptions) -> I
         if settled or not change < 0 or before - change < -options.worthwhile_gain * change:
             break
     return InnerStep(descent.step, change, descent.factorisations, uphill)
+
+
+def _among_modes(coarse: Coarse, descent: Descent, options: InnerOptions) -> tuple[Array, float]:
+    """Return the way that lowers the model among the modes of bodies, shape (unknowns,), and its change."""
+    model, limits = coarse.after(descent.gradient, descent.gap), options.coarse
+    among = replace(options, most_rounds=limits.most_rounds, worthwhile_gain=limits.worthwhile_gain)
+    found = _minimised(model, None, coarse.matrix, among)
+    step, change = (found.step, found.change) if found.uphill is None else (found.uphill.step, found.uphill.change)
+    return np.asarray(coarse.basis @ step), change
 
 
 class Descent:
@@ -129,6 +143,18 @@ class Descent:
     def factorisations(self) -> int:
         """Number of factorisations so far."""
         return self._quadratics.factorisations
+
+    @property
+    def gradient(self) -> Array:
+        """The gradient of the quadratic without penalty terms after the step."""
+        return self._model.gradient + self.curved
+
+    def move(self, way: Array) -> None:
+        """Go along a way."""
+        self.step = self.step + way
+        self.curved = self.curved + self._matrix.multiply(self._model.stiffness, way)
+        self.moved = self.moved + self._model.jacobian @ way
+        self.gap = self._model.gap + self.moved
 
     def advance(self, gap: Array) -> bool:
         """Go towards the minimum with these gaps at a step of nothing, and tell whether the closed ones stay closed."""

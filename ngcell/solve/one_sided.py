@@ -50,6 +50,10 @@ class Reduced(Protocol):
         """The matrix that solves for it."""
 
     @property
+    def coarse(self) -> Coarse | None:
+        """The model among the low modes of bodies; None where there is none."""
+
+    @property
     def change(self) -> float:
         """Change of the whole model as what was left out finds its minimum, the rest at 0."""
 
@@ -117,3 +121,28 @@ class OneSidedModel:
         flipped = (after - before) * (after + before) - 2 * before * moved
         bent = np.where((before < 0) & (after < 0), moved**2, flipped)
         return float(self.full_gradient @ step + 0.5 * (step @ curved) + 0.5 * (self.penalty @ bent))
+
+
+@dataclass(frozen=True, eq=False)
+class Coarse:
+    """A model among low modes.
+
+    Attributes
+    ----------
+    basis : csr_array, shape (unknowns, modes)
+        The modes.
+    model : OneSidedModel
+        The model about a step of nothing, without its gradient.
+    matrix : Matrix
+        What solves for it.
+    """
+
+    basis: sparse.csr_array
+    model: OneSidedModel
+    matrix: Matrix
+
+    def after(self, gradient: Array, gap: Array) -> OneSidedModel:
+        """Return the model about a place with this gradient of the quadratic, and these gaps."""
+        model = self.model
+        along = np.where(model.free, self.basis.T @ gradient, 0.0)
+        return OneSidedModel(along, model.stiffness, gap, model.jacobian, model.penalty, model.free)

@@ -13,6 +13,27 @@ from ngcell.solve.continuation_options import ContinuationOptions
 
 
 @dataclass(frozen=True)
+class CoarseOptions:
+    """Numbers of the inner problem among the low modes of bodies.
+
+    Attributes
+    ----------
+    fewest : int
+        Number of bodies from which on it is used: few of them settle soon.
+    modes, first_steps : int
+        Modes of a body, and steps of inverse iteration at first; there is one for each model later.
+    most_rounds, worthwhile_gain : int, float
+        Most rounds among modes, and the share of the decrease so far below which they end.
+    """
+
+    fewest: int = 4
+    modes: int = 8
+    first_steps: int = 3
+    most_rounds: int = 30
+    worthwhile_gain: float = 0.05
+
+
+@dataclass(frozen=True)
 class InnerOptions:
     """Numbers of the inner piecewise quadratic problem.
 
@@ -26,6 +47,8 @@ class InnerOptions:
         Factor by which corrections of an inverse may enlarge round-off.
     most_updates : int
         Most steps to multipliers that are foreseen, each at the price of a solution.
+    coarse : CoarseOptions
+        Those of the problem among low modes of bodies.
     """
 
     most_rounds: int = 8
@@ -33,6 +56,7 @@ class InnerOptions:
     round_off: float = 1e-9
     lost: float = 1e6
     most_updates: int = 100
+    coarse: CoarseOptions = CoarseOptions()
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ngcell.solve.cliques import narrowed
+from ngcell.solve.coarse import Bodies
 from ngcell.solve.condensed import CondensedMatrix
 from ngcell.solve.iterative import IterativeMatrix
 from ngcell.solve.problem import Problem
@@ -74,14 +75,15 @@ class System:
         return np.asarray(np.bincount(self.bulk, weights=stiffness, minlength=self.matrix.entry_count), dtype=float)
 
 
-def direct_system(problem: Problem, touched: Index, near: float) -> System:
+def direct_system(problem: Problem, touched: Index, near: float, bodies: Bodies | None) -> System:
     """Return a matrix that is factorised.
 
-    Penalty terms touch the unknowns `touched`; walls of a smaller gap than `near` [length] are next to closing.
+    Penalty terms touch the unknowns `touched`; walls of a smaller gap than `near` [length] are next to closing. It uses
+    low modes of `bodies`, if there are any.
     """
 
     def matrix(row: Index, column: Index) -> SystemMatrix:
-        return CondensedMatrix(len(problem.free), problem.free, row, column, touched, near)
+        return CondensedMatrix(len(problem.free), problem.free, row, column, touched, near, bodies)
 
     return _system(problem, matrix)
 

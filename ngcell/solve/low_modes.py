@@ -1,0 +1,104 @@
+"""The low modes of each body: how it moves and bends at the least energy.
+
+They are found for all bodies at once by inverse iteration in a subspace of each body (Bathe and Wilson, Int. J. Numer.
+Meth. Eng. 6, 1973, doi:10.1002/nme.1620060207): as bodies have nothing in common but constraints, a solution with the
+matrix without these serves one mode of every body.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from ngcell.solve.linear import SymmetricMatrix
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+#: Share of the largest size of a vector in a subspace below which another one is nothing but round-off.
+_NOTHING = 1e-14
+
+
+class LowModes:
+    """Modes of bodies; bodies of few unknowns have none.
+
+    Parameters
+    ----------
+    free : array of bool, shape (unknowns,)
+        Unknowns that may move.
+    part : array of int, shape (unknowns,)
+        Body of each unknown.
+    count : int
+        Number of modes of a body.
+
+    Attributes
+    ----------
+    energies : array of float, shape (bodies, modes)
+        Twice the energy of each mode of unit size; 0 where there is none.
+    """
+
+    def __init__(self, free: Mask, part: Index, count: int) -> None:
+        self._size, self._count = len(free), count
+        bodies = int(part.max(initial=-1)) + 1
+        room = np.bincount(part, free, bodies).astype(np.int64)
+        self._has_modes = room >= 4 * count
+        mine = np.flatnonzero(free & self._has_modes[part])
+        mine = mine[np.argsort(part[mine], kind="stable")]
+        owner = part[mine]
+        place = np.arange(len(mine)) - np.searchsorted(owner, owner)
+        # Rows of bodies with fewer unknowns than others are filled up by one beyond the last.
+        self._unknown = np.full((bodies, int(room.max(initial=0))), self._size)
+        self._unknown[owner, place] = mine
+        self.energies = np.zeros((bodies, count))
+        self._modes = np.zeros((*self._unknown.shape, count))
+        self.forget()
+
+    @property
+    def is_mode(self) -> Mask:
+        """Which of all bodies' modes there are, shape (bodies times modes,)."""
+        return np.repeat(self._has_modes, self._count)
+
+    def forget(self) -> None:
+        """Begin anew."""
+        start = np.random.default_rng(0).standard_normal((self._size + 1, self._count))
+        start[-1] = 0.0
+        self._modes = start[self._unknown]
+
+    def improve(self, matrix: SymmetricMatrix, values: Array, steps: int) -> None:
+        """Take so many steps of inverse iteration with a matrix of these values, which couples no two bodies."""
+        matrix.factorise(values)
+        for _ in range(steps):
+            before, solved = self._modes, np.zeros((self._size + 1, self._count))
+            for number, mode in enumerate(self._vectors().T):
+                solved[:-1, number] = matrix.solve(mode)
+            self._modes = solved[self._unknown]
+            turned = self._modes.transpose(0, 2, 1)
+            self._separate(turned @ self._modes, turned @ before)
+
+    def _separate(self, size: Array, energy: Array) -> None:
+        """Let modes be the best ones of each body's subspace, of unit size, the lowest one first (Rayleigh-Ritz)."""
+        share, axes = np.linalg.eigh(size)
+        share = np.where(self._has_modes[:, None], np.maximum(share, _NOTHING * share[:, -1:]), 1.0)
+        to_unit = axes / np.sqrt(share)[:, None, :]
+        among = to_unit.transpose(0, 2, 1) @ energy @ to_unit
+        self.energies, turn = np.linalg.eigh((among + among.transpose(0, 2, 1)) / 2)
+        self._modes = self._modes @ (to_unit @ turn)
+
+    def _vectors(self) -> Array:
+        """Return vectors of all unknowns, each with one mode of every body, shape (unknowns, modes)."""
+        whole = np.zeros((self._size + 1, self._count))
+        whole[self._unknown] = self._modes
+        return whole[:-1]
+
+    @property
+    def basis(self) -> sparse.csr_array:
+        """The modes of all bodies, shape (unknowns, bodies times modes), those of a body side by side."""
+        bodies, count = self.energies.shape
+        body = np.zeros(self._size + 1, dtype=np.int64)
+        body[self._unknown] = np.arange(bodies)[:, None]
+        column = (body[:-1, None] * count + np.arange(count)).astype(np.int32)
+        pointer = np.arange(0, self._size * count + 1, count)
+        shape = self._size, bodies * count
+        return sparse.csr_array((self._vectors().ravel(), column.ravel(), pointer), shape=shape)
