@@ -46,9 +46,9 @@ class Bodies:
         """Return bodies if there are many."""
         return cls(part, options) if part.max(initial=-1) + 1 >= options.fewest else None
 
-    def space(self, matrix: SymmetricMatrix, free: Mask, kept: Index) -> CoarseSpace:
+    def space(self, matrix: SymmetricMatrix, free: Mask, walls: Mask, kept: Index) -> CoarseSpace:
         """Return the low modes of the unknowns that are kept of all, with a matrix of these."""
-        return CoarseSpace(matrix, free[kept], self.part[kept], self.options)
+        return CoarseSpace(matrix, LowModes(free[kept], self.part[kept], walls[kept], self.options.modes), self.options)
 
 
 class CoarseSpace:
@@ -58,17 +58,14 @@ class CoarseSpace:
     ----------
     matrix : SymmetricMatrix
         The matrix of bodies without constraints.
-    free : array of bool, shape (unknowns,)
-        Unknowns that may move.
-    part : array of int, shape (unknowns,)
-        Body of each unknown.
+    modes : LowModes
+        The modes.
     options : CoarseOptions
         The method's own numbers.
     """
 
-    def __init__(self, matrix: SymmetricMatrix, free: Mask, part: Index, options: CoarseOptions) -> None:
-        self._matrix, self._options, self._is_begun = matrix, options, False
-        self._modes = LowModes(free, part, options.modes)
+    def __init__(self, matrix: SymmetricMatrix, modes: LowModes, options: CoarseOptions) -> None:
+        self._matrix, self._modes, self._options, self._is_begun = matrix, modes, options, False
         each = np.arange(len(self._modes.is_mode))
         self._among = GrowingMatrix(len(each), self._modes.is_mode, each, each)
 

@@ -61,7 +61,7 @@ class Elimination:
         self._is_left = is_kept[row] & is_kept[lower.indices]
         rows, columns = self._number[row[self._is_left]], self._number[lower.indices[self._is_left]]
         self.matrix = GrowingMatrix(len(self.kept), free[self.kept], rows, columns)
-        self.space = None if bodies is None else bodies.space(self.matrix.lasting, free, self.kept)
+        self.space = None if bodies is None else bodies.space(self.matrix.lasting, free, touched, self.kept)
         self._triangles = [self._triangle(cliques) for cliques in self.cliques]
 
     def _triangle(self, cliques: Cliques) -> tuple[Index, Index, Index]:

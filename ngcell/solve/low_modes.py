@@ -1,4 +1,4 @@
-"""The low modes of each body: how it moves and bends at the least energy.
+"""The low modes of each body: how its walls move and bend at the least energy.
 
 They are found for all bodies at once by inverse iteration in a subspace of each body (Bathe and Wilson, Int. J. Numer.
 Meth. Eng. 6, 1973, doi:10.1002/nme.1620060207): as bodies have nothing in common but constraints, a solution with the
@@ -30,6 +30,9 @@ class LowModes:
         Unknowns that may move.
     part : array of int, shape (unknowns,)
         Body of each unknown.
+    walls : array of bool, shape (unknowns,)
+        Unknowns by which modes are measured: the size of a vector is that of these. Soft fillings have many modes that
+        are of no use, since no wall moves in them.
     count : int
         Number of modes of a body.
 
@@ -39,11 +42,11 @@ class LowModes:
         Twice the energy of each mode of unit size; 0 where there is none.
     """
 
-    def __init__(self, free: Mask, part: Index, count: int) -> None:
+    def __init__(self, free: Mask, part: Index, walls: Mask, count: int) -> None:
         self._size, self._count = len(free), count
         bodies = int(part.max(initial=-1)) + 1
         room = np.bincount(part, free, bodies).astype(np.int64)
-        self._has_modes = room >= 4 * count
+        self._has_modes = np.bincount(part, free & walls, bodies) >= 4 * count
         mine = np.flatnonzero(free & self._has_modes[part])
         mine = mine[np.argsort(part[mine], kind="stable")]
         owner = part[mine]
@@ -51,6 +54,7 @@ class LowModes:
         # Rows of bodies with fewer unknowns than others are filled up by one beyond the last.
         self._unknown = np.full((bodies, int(room.max(initial=0))), self._size)
         self._unknown[owner, place] = mine
+        self._is_wall = np.append(walls, False)[self._unknown][..., None]
         self.energies = np.zeros((bodies, count))
         self._modes = np.zeros((*self._unknown.shape, count))
         self.forget()
@@ -70,12 +74,12 @@ class LowModes:
         """Take so many steps of inverse iteration with a matrix of these values, which couples no two bodies."""
         matrix.factorise(values)
         for _ in range(steps):
-            before, solved = self._modes, np.zeros((self._size + 1, self._count))
-            for number, mode in enumerate(self._vectors().T):
+            before, solved = self._modes * self._is_wall, np.zeros((self._size + 1, self._count))
+            for number, mode in enumerate(self._vectors(before).T):
                 solved[:-1, number] = matrix.solve(mode)
             self._modes = solved[self._unknown]
             turned = self._modes.transpose(0, 2, 1)
-            self._separate(turned @ self._modes, turned @ before)
+            self._separate(turned @ (self._modes * self._is_wall), turned @ before)
 
     def _separate(self, size: Array, energy: Array) -> None:
         """Let modes be the best ones of each body's subspace, of unit size, the lowest one first (Rayleigh-Ritz)."""
@@ -86,10 +90,10 @@ class LowModes:
         self.energies, turn = np.linalg.eigh((among + among.transpose(0, 2, 1)) / 2)
         self._modes = self._modes @ (to_unit @ turn)
 
-    def _vectors(self) -> Array:
+    def _vectors(self, modes: Array) -> Array:
         """Return vectors of all unknowns, each with one mode of every body, shape (unknowns, modes)."""
         whole = np.zeros((self._size + 1, self._count))
-        whole[self._unknown] = self._modes
+        whole[self._unknown] = modes
         return whole[:-1]
 
     @property
@@ -101,4 +105,4 @@ class LowModes:
         column = (body[:-1, None] * count + np.arange(count)).astype(np.int32)
         pointer = np.arange(0, self._size * count + 1, count)
         shape = self._size, bodies * count
-        return sparse.csr_array((self._vectors().ravel(), column.ravel(), pointer), shape=shape)
+        return sparse.csr_array((self._vectors(self._modes).ravel(), column.ravel(), pointer), shape=shape)

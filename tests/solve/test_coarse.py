@@ -60,7 +60,7 @@ class Rows:
 
 def test_modes_are_the_lowest_of_each_body():
     rows = Rows(3)
-    modes = LowModes(rows.free, rows.part, 3)
+    modes = LowModes(rows.free, rows.part, rows.free, 3)
     modes.improve(rows.matrix, rows.values, 30)
     for body in range(3):
         mine = np.flatnonzero((rows.part == body) & rows.free)
@@ -74,7 +74,7 @@ def test_modes_are_the_lowest_of_each_body():
 
 def test_modes_of_a_matrix_that_changes_take_a_step_each():
     rows = Rows(2)
-    modes = LowModes(rows.free, rows.part, 4)
+    modes = LowModes(rows.free, rows.part, rows.free, 4)
     modes.improve(rows.matrix, rows.values, 10)
     for grown in np.linspace(1, 2, 5):
         modes.improve(rows.matrix, grown * rows.values, 1)
@@ -86,7 +86,7 @@ def test_modes_of_a_matrix_that_changes_take_a_step_each():
 def test_bodies_of_few_unknowns_have_no_modes():
     rows = Rows(3)
     rows.free[rows.part == 1] = False
-    modes = LowModes(rows.free, rows.part, 2)
+    modes = LowModes(rows.free, rows.part, rows.free, 2)
     modes.improve(rows.matrix, rows.values, 3)
     np.testing.assert_array_equal(modes.is_mode, np.repeat([True, False, True], 2))
     assert np.isfinite(modes.basis.data).all()
@@ -96,7 +96,7 @@ def test_bodies_of_few_unknowns_have_no_modes():
 def test_modes_are_forgotten():
     """What is found afterwards is the same to the last bit."""
     rows = Rows(3)
-    modes = LowModes(rows.free, rows.part, 2)
+    modes = LowModes(rows.free, rows.part, rows.free, 2)
     found = []
     for _ in range(2):
         modes.forget()
@@ -122,7 +122,7 @@ def test_rows_that_hit_each_other_one_after_the_other_take_few_factorisations():
     exact = minimise_one_sided(model, rows.condensed(None), replace(usual, most_rounds=500, worthwhile_gain=0.0))
     within = minimise_one_sided(model, rows.condensed(Bodies(rows.part, OPTIONS)), usual)
     without = minimise_one_sided(model, rows.condensed(None), usual)
-    assert exact.change <= within.change <= 0.9 * exact.change
+    assert exact.change <= within.change < 0.5 * exact.change
     assert within.factorisations < without.factorisations
 
 
