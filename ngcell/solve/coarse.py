@@ -78,7 +78,7 @@ class CoarseSpace:
     def of(self, model: OneSidedModel) -> Coarse:
         """Return a model among modes."""
         values, moving = model.stiffness.values, model.stiffness.moving
-        self._modes.improve(self._matrix, values, 1 if self._is_begun else self._options.first_steps)
+        self._modes.iterate(self._matrix, values, 1 if self._is_begun else self._options.first_steps)
         self._is_begun = True
         basis, energies = self._modes.basis, self._modes.energies.ravel()
         moved = None if moving is None else (basis.T @ (moving @ basis)).tocsr()

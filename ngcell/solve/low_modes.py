@@ -70,7 +70,7 @@ class LowModes:
         start[-1] = 0.0
         self._modes = start[self._unknown]
 
-    def improve(self, matrix: SymmetricMatrix, values: Array, steps: int) -> None:
+    def iterate(self, matrix: SymmetricMatrix, values: Array, steps: int) -> None:
         """Take so many steps of inverse iteration with a matrix of these values, which couples no two bodies."""
         matrix.factorise(values)
         for _ in range(steps):

@@ -22,13 +22,13 @@ OPTIONS = CoarseOptions(fewest=2, modes=2)
 
 
 class Rows:
-    """Rows of masses on springs, each held by a soft one: walls stand between a row and the next."""
+    """Rows of masses that are coupled, and each held softly: walls stand between a row and the next."""
 
     def __init__(self, bodies: int, masses: int = 16, soft: float = 1e-4) -> None:
         self.bodies, self.masses, self.size = bodies, masses, bodies * masses
-        spring = 2 * np.eye(masses) - np.eye(masses, k=1) - np.eye(masses, k=-1)
-        spring[0, 0] = spring[-1, -1] = 1.0
-        self.full = np.kron(np.eye(bodies), spring + soft * np.eye(masses))
+        coupled = 2 * np.eye(masses) - np.eye(masses, k=1) - np.eye(masses, k=-1)
+        coupled[0, 0] = coupled[-1, -1] = 1.0
+        self.full = np.kron(np.eye(bodies), coupled + soft * np.eye(masses))
         self.part = np.repeat(np.arange(bodies), masses)
         self.free = np.ones(self.size, dtype=bool)
         self.free[0] = False
@@ -61,7 +61,7 @@ class Rows:
 def test_modes_are_the_lowest_of_each_body():
     rows = Rows(3)
     modes = LowModes(rows.free, rows.part, rows.free, 3)
-    modes.improve(rows.matrix, rows.values, 30)
+    modes.iterate(rows.matrix, rows.values, 30)
     for body in range(3):
         mine = np.flatnonzero((rows.part == body) & rows.free)
         lowest = linalg.eigvalsh(rows.full[np.ix_(mine, mine)])[:3]
@@ -75,9 +75,9 @@ def test_modes_are_the_lowest_of_each_body():
 def test_modes_of_a_matrix_that_changes_take_a_step_each():
     rows = Rows(2)
     modes = LowModes(rows.free, rows.part, rows.free, 4)
-    modes.improve(rows.matrix, rows.values, 10)
+    modes.iterate(rows.matrix, rows.values, 10)
     for grown in np.linspace(1, 2, 5):
-        modes.improve(rows.matrix, grown * rows.values, 1)
+        modes.iterate(rows.matrix, grown * rows.values, 1)
     mine = np.flatnonzero((rows.part == 1) & rows.free)
     lowest = 2 * linalg.eigvalsh(rows.full[np.ix_(mine, mine)])[:4]
     np.testing.assert_allclose(modes.energies[1], lowest, rtol=1e-6)
@@ -87,7 +87,7 @@ def test_bodies_of_few_unknowns_have_no_modes():
     rows = Rows(3)
     rows.free[rows.part == 1] = False
     modes = LowModes(rows.free, rows.part, rows.free, 2)
-    modes.improve(rows.matrix, rows.values, 3)
+    modes.iterate(rows.matrix, rows.values, 3)
     np.testing.assert_array_equal(modes.is_mode, np.repeat([True, False, True], 2))
     assert np.isfinite(modes.basis.data).all()
     assert not modes.basis.toarray()[rows.part == 1].any()
@@ -100,7 +100,7 @@ def test_modes_are_forgotten():
     found = []
     for _ in range(2):
         modes.forget()
-        modes.improve(rows.matrix, rows.values, 3)
+        modes.iterate(rows.matrix, rows.values, 3)
         found.append(modes.basis.data)
     np.testing.assert_array_equal(*found)
 
