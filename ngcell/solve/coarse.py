@@ -42,9 +42,12 @@ class Bodies:
     options: CoarseOptions
 
     @classmethod
-    def of(cls, part: Index, options: CoarseOptions) -> Bodies | None:
-        """Return bodies if there are many."""
-        return cls(part, options) if part.max(initial=-1) + 1 >= options.fewest else None
+    def of(cls, part: Index, pattern: tuple[Index, Index], options: CoarseOptions) -> Bodies | None:
+        """Return bodies if there are many, and the rows and columns of a matrix without constraints couple no two."""
+        if part.max(initial=-1) + 1 < options.fewest:
+            return None
+        row, column = pattern
+        return None if (part[row] != part[column]).any() else cls(part, options)
 
     def space(self, matrix: SymmetricMatrix, free: Mask, walls: Mask, kept: Index) -> CoarseSpace:
         """Return the low modes of the unknowns that are kept of all, with a matrix of these."""

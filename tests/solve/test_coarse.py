@@ -134,6 +134,11 @@ def test_a_model_that_is_not_convex_among_modes_is_left_as_it_was():
     assert found.uphill is not None or found.change < 0
 
 
-def test_few_bodies_have_no_modes():
-    assert Bodies.of(np.repeat([0, 1, 2], 5), CoarseOptions(fewest=4)) is None
-    assert Bodies.of(np.repeat([0, 1, 2, 3], 5), CoarseOptions(fewest=4)) is not None
+def test_modes_are_of_many_bodies_that_are_not_bonded():
+    one, other = np.tril_indices(5)
+    part, rows = np.repeat([0, 1, 2, 3], 5), (5 * np.arange(4)[:, None] + one).ravel()
+    columns = (5 * np.arange(4)[:, None] + other).ravel()
+    assert Bodies.of(part, (rows, columns), CoarseOptions(fewest=5)) is None
+    assert Bodies.of(part, (rows, columns), CoarseOptions(fewest=4)) is not None
+    bonded = np.append(rows, 7), np.append(columns, 3)
+    assert Bodies.of(part, bonded, CoarseOptions(fewest=4)) is None
