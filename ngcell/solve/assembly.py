@@ -113,5 +113,5 @@ class Assembly:
             self._system = iterative_system(self.problem)
         elif self._system is None:
             touched = np.unique(np.concatenate(self.problem.couplings(state, 0.0)))
-            bodies = Bodies.of(self.problem.part, self.problem.pattern, self.options.inner.coarse)
+            bodies = Bodies.of(self.problem, self.options.inner.coarse)
             self._system = direct_system(self.problem, touched, self.options.near * self.longest_step, bodies)

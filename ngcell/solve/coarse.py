@@ -19,6 +19,7 @@ from ngcell.solve.linear import SymmetricMatrix
 from ngcell.solve.low_modes import LowModes
 from ngcell.solve.one_sided import Coarse, OneSidedModel
 from ngcell.solve.options import CoarseOptions
+from ngcell.solve.problem import Problem
 from ngcell.solve.stiffness import Stiffness
 
 Array = NDArray[np.float64]
@@ -42,12 +43,13 @@ class Bodies:
     options: CoarseOptions
 
     @classmethod
-    def of(cls, part: Index, pattern: tuple[Index, Index], options: CoarseOptions) -> Bodies | None:
-        """Return bodies if there are many, and the rows and columns of a matrix without constraints couple no two."""
-        if part.max(initial=-1) + 1 < options.fewest:
-            return None
-        row, column = pattern
-        return None if (part[row] != part[column]).any() else cls(part, options)
+    def of(cls, problem: Problem, options: CoarseOptions) -> Bodies | None:
+        """Return bodies if there are many, and nothing but constraints acts between them.
+
+        Bonds do: what is low in energy for a body alone then is not, and steps creep.
+        """
+        is_many = problem.part.max(initial=-1) + 1 >= options.fewest
+        return cls(problem.part, options) if is_many and not problem.has_history else None
 
     def space(self, matrix: SymmetricMatrix, free: Mask, walls: Mask, kept: Index) -> CoarseSpace:
         """Return the low modes of the unknowns that are kept of all, with a matrix of these."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,7 +18,6 @@ from ngcell.solve.one_sided import OneSidedModel
 from ngcell.solve.options import CoarseOptions, InnerOptions
 from ngcell.solve.stiffness import Stiffness
 
-NOBODY = np.zeros(0, dtype=np.int64)
 OPTIONS = CoarseOptions(fewest=2, modes=2)
 
 
@@ -134,11 +134,7 @@ def test_a_model_that_is_not_convex_among_modes_is_left_as_it_was():
     assert found.uphill is not None or found.change < 0
 
 
-def test_modes_are_of_many_bodies_that_are_not_bonded():
-    one, other = np.tril_indices(5)
-    part, rows = np.repeat([0, 1, 2, 3], 5), (5 * np.arange(4)[:, None] + one).ravel()
-    columns = (5 * np.arange(4)[:, None] + other).ravel()
-    assert Bodies.of(part, (rows, columns), CoarseOptions(fewest=5)) is None
-    assert Bodies.of(part, (rows, columns), CoarseOptions(fewest=4)) is not None
-    bonded = np.append(rows, 7), np.append(columns, 3)
-    assert Bodies.of(part, bonded, CoarseOptions(fewest=4)) is None
+@pytest.mark.parametrize(("bodies", "is_bonded", "has_modes"), [(3, False, False), (4, False, True), (4, True, False)])
+def test_modes_are_of_many_bodies_that_are_not_bonded(bodies, is_bonded, has_modes):
+    problem = SimpleNamespace(part=np.repeat(np.arange(bodies), 5), has_history=is_bonded)
+    assert (Bodies.of(problem, CoarseOptions(fewest=4)) is not None) == has_modes
