@@ -80,11 +80,13 @@ class CoarseSpace:
         self._among.forget()
         self._is_begun = False
 
-    def of(self, model: OneSidedModel) -> Coarse:
-        """Return a model among modes."""
+    def of(self, model: OneSidedModel) -> Coarse | None:
+        """Return a model among modes; None where its matrix has no inverse."""
         values, moving = model.stiffness.values, model.stiffness.moving
-        self._modes.iterate(self._matrix, values, 1 if self._is_begun else self._options.first_steps)
-        self._is_begun = True
+        steps = 1 if self._is_begun else self._options.first_steps
+        self._is_begun = self._modes.iterate(self._matrix, values, steps)
+        if not self._is_begun:
+            return None
         basis, energies = self._modes.basis, self._modes.energies.ravel()
         moved = None if moving is None else (basis.T @ (moving @ basis)).tocsr()
         jacobian = (model.jacobian @ basis).tocsr()

@@ -70,16 +70,23 @@ class LowModes:
         start[-1] = 0.0
         self._modes = start[self._unknown]
 
-    def iterate(self, matrix: SymmetricMatrix, values: Array, steps: int) -> None:
-        """Take so many steps of inverse iteration with a matrix of these values, which couples no two bodies."""
+    def iterate(self, matrix: SymmetricMatrix, values: Array, steps: int) -> bool:
+        """Take so many steps of inverse iteration with a matrix of these values, which couples no two bodies.
+
+        It begins anew, and returns False, where the matrix has no inverse.
+        """
         matrix.factorise(values)
         for _ in range(steps):
             before, solved = self._modes * self._is_wall, np.zeros((self._size + 1, self._count))
             for number, mode in enumerate(self._vectors(before).T):
                 solved[:-1, number] = matrix.solve(mode)
+            if not np.isfinite(solved).all():
+                self.forget()
+                return False
             self._modes = solved[self._unknown]
             turned = self._modes.transpose(0, 2, 1)
             self._separate(turned @ (self._modes * self._is_wall), turned @ before)
+        return True
 
     def _separate(self, size: Array, energy: Array) -> None:
         """Let modes be the best ones of each body's subspace, of unit size, the lowest one first (Rayleigh-Ritz)."""

@@ -93,6 +93,15 @@ def test_bodies_of_few_unknowns_have_no_modes():
     assert not modes.basis.toarray()[rows.part == 1].any()
 
 
+def test_modes_of_a_matrix_without_an_inverse_are_none_and_begin_anew():
+    rows = Rows(2)
+    modes = LowModes(rows.free, rows.part, rows.free, 2)
+    before = modes.basis.data
+    assert not modes.iterate(rows.matrix, np.full_like(rows.values, np.nan), 1)
+    np.testing.assert_array_equal(modes.basis.data, before)
+    assert modes.iterate(rows.matrix, rows.values, 1)
+
+
 def test_modes_are_forgotten():
     """What is found afterwards is the same to the last bit."""
     rows = Rows(3)
