@@ -4,7 +4,8 @@ Ordinary Newton sees only walls that overlap already; its step then drives many 
 search has to stop it at the first of them. Here the quadratic model has the linearised gap of every near wall, and
 its minimum is found by Newton on this piecewise quadratic function with exact line searches: the set of closed
 walls changes inside the model, at the price of a factorisation, or of a solution for each penalty term where few of
-them change, and without evaluating a single element.
+them change, and without evaluating a single element. Among many bodies each round begins at the minimum in the span of
+their low modes (`ngcell.solve.coarse`).
 
 Where contact forces bend a model downwards, a round may end higher than it began. That is told, with what the rounds
 before had gained.
@@ -62,7 +63,7 @@ class InnerStep:
     change : float
         Change of the model along it [energy]; not negative where the model falls nowhere.
     factorisations : int
-        What it took.
+        What it took, with all unknowns and constraints; those to find modes and among them are not counted.
     uphill : Uphill or None
         The last round, if it went up.
     """

@@ -56,7 +56,6 @@ class LowModes:
         self._unknown[owner, place] = mine
         self._is_wall = np.append(walls, False)[self._unknown][..., None]
         self.energies = np.zeros((bodies, count))
-        self._modes = np.zeros((*self._unknown.shape, count))
         self.forget()
 
     @property

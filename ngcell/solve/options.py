@@ -19,7 +19,7 @@ class CoarseOptions:
     Attributes
     ----------
     fewest : int
-        Number of bodies from which on it is used: nine cells take as long without it, 35 a fifth longer.
+        Number of bodies from which on it is used: nine cells take as long without it, 35 to 49 a quarter longer.
     modes, first_steps : int
         Modes of a body, and steps of inverse iteration at first; there is one for each model later.
     most_rounds, worthwhile_gain : int, float
