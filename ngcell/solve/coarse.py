@@ -46,7 +46,7 @@ class Bodies:
     def of(cls, problem: Problem, options: CoarseOptions) -> Bodies | None:
         """Return bodies if there are many, and nothing but constraints acts between them.
 
-        Bonds do: what is low in energy for a body alone then is not, and steps creep.
+        Bonds do: what is low in energy for a body alone then is not, and modes gain nothing.
         """
         is_many = problem.part.max(initial=-1) + 1 >= options.fewest
         return cls(problem.part, options) if is_many and not problem.has_history else None

@@ -8,7 +8,7 @@ them change, and without evaluating a single element. Among many bodies each rou
 their low modes (`ngcell.solve.coarse`).
 
 Where contact forces bend a model downwards, a round may end higher than it began. That is told, with what the rounds
-before had gained.
+before had gained; where it is the first one, the model is minimised anew without modes.
 """
 
 from __future__ import annotations
@@ -90,7 +90,8 @@ def minimise_one_sided(model: OneSidedModel, matrix: Matrix, options: InnerOptio
 
 def _minimised(model: OneSidedModel, coarse: Coarse | None, matrix: Matrix, options: InnerOptions) -> InnerStep:
     descent, change, uphill = Descent(model, matrix, options.lost), 0.0, None
-    for _ in range(options.most_rounds):
+    for round_number in range(options.most_rounds):
+        is_led = round_number == 0 and coarse is not None
         if coarse is not None:
             way, gained = _among_modes(coarse, descent, options)
             descent.move(way)
@@ -100,6 +101,9 @@ def _minimised(model: OneSidedModel, coarse: Coarse | None, matrix: Matrix, opti
         settled = descent.advance(model.gap)
         before, change = change, model.change(descent.step, descent.curved, descent.moved)
         if not change <= before + options.round_off * abs(before):
+            if is_led:  # What modes gain alone is no step: iterations of such steps creep.
+                anew = _minimised(model, None, matrix, options)
+                return replace(anew, factorisations=anew.factorisations + descent.factorisations)
             uphill = Uphill(descent.step - last, closed, last, before)
         if settled or not change < 0 or before - change < -options.worthwhile_gain * change:
             break

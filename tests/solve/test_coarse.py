@@ -147,6 +147,18 @@ def test_a_model_that_is_not_convex_among_modes_is_told():
     )
 
 
+def test_a_model_that_goes_up_at_once_is_minimised_as_without_modes():
+    rows = Rows(4)
+    model = rows.pushed(1.0)
+    bent = replace(model, stiffness=Stiffness(rows.values, sparse.csr_array(-2.0 * np.eye(rows.size))))
+    without = minimise_one_sided(bent, rows.condensed(None), InnerOptions(coarse=OPTIONS))
+    within = minimise_one_sided(bent, rows.condensed(Bodies(rows.part, OPTIONS)), InnerOptions(coarse=OPTIONS))
+    assert within.uphill is not None and without.uphill is not None
+    assert within.uphill.change == without.uphill.change == 0.0
+    np.testing.assert_allclose(within.step, without.step, rtol=1e-9, atol=1e-12)
+    assert within.factorisations > without.factorisations
+
+
 @pytest.mark.parametrize(("bodies", "is_bonded", "has_modes"), [(3, False, False), (4, False, True), (4, True, False)])
 def test_modes_are_of_many_bodies_that_are_not_bonded(bodies, is_bonded, has_modes):
     problem = SimpleNamespace(part=np.repeat(np.arange(bodies), 5), has_history=is_bonded)
