@@ -4,18 +4,21 @@
 
 Each tissue of hexagonal cells is sheared by a tenth or by a fifth of its height, hollow, under a pressure of 0.005 or
 filled, in one level, on one thread; each run is a process of its own. Errors are those that the run estimates, in
-percent. A run that takes more minutes than are given is stopped, and its row says so.
+percent. The tail is the share of factorisations that come after the energy is within 3e-4 of that with which walls end
+on the same mesh. A run that takes more minutes than are given is stopped, and its row says so.
 Rows go to `tools/results/growing.csv`; those of the present sources are not repeated.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import click
+import numpy as np
 
 from tools import tables
 from tools.commands import described
@@ -29,9 +32,16 @@ SHARES = (0.1, 0.2)
 CASES = {"hollow": "shear-empty", "pressure": "shear-pressurised", "filled": "shear-filled"}
 #: What a run that took more time than it was given ends as.
 _LATE = "out of time"
+#: What the solver tells of a minimisation on the way, and of the end of a mesh.
+_TOLD = re.compile(
+    r"proximal weight .* (?P<factorisations>\d+) factorisations, .* energy (?P<energy>\S+),"
+    r"|refinement: mesh (?P<mesh>\d+)"
+)
+#: Share of the energy within which no minimisation of a tail moves it.
+_SETTLED = 3e-4
 _NUMBERS = ("energy", "plate_force", "mean_gap")
 _WORK = (
-    "meshes", "iterations", "factorisations", "refused", "seconds", "factorisation", "assembly", "GiB", "code",
+    "meshes", "iterations", "factorisations", "tail", "refused", "seconds", "factorisation", "assembly", "GiB", "code",
 )  # fmt: skip
 COLUMNS = (
     "tissue", "accuracy", "outcome", *(f"{number}{end}" for number in _NUMBERS for end in ("", "_error")), *_WORK,
@@ -57,17 +67,35 @@ def measured(case: str, sets: Iterable[str], accuracy: float, minutes: float) ->
     with TemporaryDirectory() as place:
         folder = Path(place) / "out"
         settings = (*sets, "load.levels=1", f"accuracy={accuracy:g}")
-        words = [*solve_words(case, folder, settings), "--quiet", "--max-minutes", f"{minutes:g}"]
+        words = [*solve_words(case, folder, settings), "-v", "--max-minutes", f"{minutes:g}"]
         run = ended(*words, timeout=60 * minutes + 120)
         summary, released = summary_in(folder), released_rows(folder)
     row |= {"GiB": f"{run.peak_mb / 1024:.2f}", "seconds": f"{run.processor:.0f}"}
     said = run.last_words("no words").partition(";")[0]
     row |= {"outcome": summary.get("outcome") or (_LATE if run.is_late else said)}
     row |= {column: summary.get(column, "") for column in ("iterations", "factorisations", "refused")}
+    row["tail"] = tail_of(run.err)
     row["meshes"] = len(summary.get("meshes", ())) or ""
     phases = summary.get("seconds", {}).get("processor_by_phase", {})
     row |= {phase: f"{phases[phase]:.0f}" for phase in ("factorisation", "assembly") if phase in phases}
     return row | (numbers_of(released[-1]) if released else {})
+
+
+def tail_of(log: str) -> str:
+    """Return the share of factorisations after which the energy on a mesh hardly changes, as a text; "" without any."""
+    meshes: list[list[tuple[int, float]]] = [[]]
+    for told in _TOLD.finditer(log):
+        if told["mesh"]:
+            meshes.append([])
+        else:
+            meshes[-1].append((int(told["factorisations"]), float(told["energy"])))
+    tail = 0
+    for minimisations in meshes:
+        moving = [abs(energy - minimisations[-1][1]) > _SETTLED * abs(energy) for _, energy in minimisations]
+        settled = 1 + max(np.flatnonzero(moving), default=-1)
+        tail += sum(factorisations for factorisations, _ in minimisations[settled + 1 :])
+    total = sum(factorisations for minimisations in meshes for factorisations, _ in minimisations)
+    return f"{tail / total:.2f}" if total else ""
 
 
 def numbers_of(step: Mapping[str, str]) -> Row:
@@ -87,7 +115,7 @@ def report(rows: Iterable[Row]) -> str:
     lines = []
     for row in rows:
         pairs = [f"{row[number]} ± {row[f'{number}_error']} %" if row[number] else "" for number in _NUMBERS]
-        lines.append((row["tissue"], row["accuracy"], row["outcome"], *pairs, *(row[name] for name in _WORK)))
+        lines.append((row["tissue"], row["accuracy"], row["outcome"], *pairs, *(row.get(name, "") for name in _WORK)))
     words = (__doc__ or "").partition("\n\n")
     said = words[2].partition("\n\n")[2].strip()
     return f"# Growing tissues\n\n{words[0]} {said}\n\n{tables.markdown(head, lines)}\n"
