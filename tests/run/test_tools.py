@@ -53,7 +53,7 @@ def test_modules_are_no_scripts():
     assert [file for file in TOOLS.rglob("*.py") if "__name__ ==" in file.read_text(encoding="utf-8")] == []
 
 
-@pytest.mark.parametrize("number", constants.CHANGES)
+@pytest.mark.parametrize("number", [number for group in constants.GROUPS for number in group.changes])
 def test_a_number_of_the_solver_is_changed_in_the_record_that_is_handed_down_and_no_other(number):
     before, options = numbers.usual(number), numbers.changed(number, 2 * numbers.usual(number))
     found = {name: attrgetter(name)(options) for name in numbers.names()}

@@ -1,17 +1,18 @@
-"""What results depend on: each of the solver's own numbers is halved and doubled, on four scenes.
+"""What results depend on: each of the solver's own numbers is made smaller and larger, on four scenes.
 
     python -m tools.studies constants [--only TEXT] [--scene empty]
 
 Each number is put in place of the package's, a 3x3 tissue is run again at accuracy inf, or at 0.01 if it counts there
 only, and what changes is told relative to the run with all numbers as they are: energy and plate force, and the ratio
-of iterations. Tables are kept in `tools/results/constants.csv` and `.md`; a run of some numbers or scenes is shown and
-not kept.
+of iterations. Numbers that count among many cells only are changed on two tissues of 6x6 cells at accuracy 0.1. Tables
+are kept in `tools/results/constants.csv` and `.md`; a run of some numbers or scenes is shown and not kept.
 """
 
 from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import dataclass
 from datetime import date
 
 import click
@@ -22,6 +23,7 @@ from ngcell.errors import NgcellError
 from tools import tables
 from tools.commands import described
 from tools.places import RESULTS
+from tools.runs import sources
 from tools.studies.numbers import changed, usual
 
 SCENES = {
@@ -40,17 +42,16 @@ CHANGES: dict[str, tuple[float, ...]] = {
     "solver.continuation.narrowest": (0.25, 1.0),
     "solver.continuation.widest": (0.5, 2.0),
     "solver.minimiser.last_digit": (1e-6, 1e-4),
-    "solver.minimiser.cheap": (1e-3, 0.1),
-    "solver.continuation.sufficient_to_lead": (0.01, 0.04),
+    "solver.minimiser.cheap_at_last": (1e-4, 0.01),
     "solver.continuation.stiffen_at": (1e-6, 1e-4),
     "solver.continuation.on_the_way": (1e-3, 0.1),
-    "solver.continuation.at_the_end": (1e-12, 1e-8),
+    "solver.continuation.at_the_end": (1e-14, 1e-10),
     "solver.continuation.update": (0.05, 0.2),
     "solver.continuation.foreseen": (1e-6, 1e-4),
     "solver.continuation.cycling": (100, 400),
     "solver.continuation.slow": (0.05, 0.25),
     "solver.minimiser.inner.most_rounds": (4, 16),
-    "solver.minimiser.inner.worthwhile_gain": (0.01, 0.04),
+    "solver.minimiser.inner.worthwhile_gain": (0.15, 0.6),
     "solver.minimiser.inner.lost": (1e4, 1e8),
     "solver.minimiser.inner.most_updates": (50, 200),
     "solver.minimiser.poor": (1e-5, 1e-3),
@@ -62,6 +63,8 @@ CHANGES: dict[str, tuple[float, ...]] = {
     "solver.minimiser.unfelt": (1e-5, 1e-3),
     "solver.minimiser.stalled": (1e-13, 1e-11),
     "solver.minimiser.idle": (3, 10),
+    "solver.stability.as_low": (0.8, 0.95),
+    "solver.stability.most_modes": (1, 6),
     "contact.path_multiple": (0.5, 2.0),
     "contact.stage_factor": (5.0, 20.0),
     "contact.mortar_multiple": (1.0, 10.0),
@@ -72,12 +75,13 @@ CHANGES: dict[str, tuple[float, ...]] = {
     "contact.covered": (0.001, 0.1),
     "contact.facing": (-0.9, -0.7),
 }
-#: The same, at this accuracy, of numbers that count with a finite accuracy only.
-WITHIN = "0.01"
+#: The same, of numbers that count with a finite accuracy only.
 WITHIN_ACCURACY: dict[str, tuple[float, ...]] = {
+    "solver.minimiser.cheap": (1e-3, 0.1),
     "solver.continuation.recentred": (1e-5, 1e-3),
     "solver.continuation.resting": (1e-4, 1e-2),
     "solver.continuation.leading": (0.002, 0.2),
+    "solver.continuation.sufficient_to_lead": (0.01, 0.04),
     "solver.continuation.sufficient_of_accuracy": (0.02, 0.1),
     "solver.continuation.felt_of_accuracy": (0.02, 0.1),
     "solver.continuation.allowed_of_accuracy": (0.03, 0.09),
@@ -87,14 +91,51 @@ WITHIN_ACCURACY: dict[str, tuple[float, ...]] = {
     "solver.continuation.handover_update": (0.003, 0.1),
     "contact.stored_before": (0.03, 0.3),
 }
+#: The same, of numbers that count among many cells only.
+AMONG_MANY: dict[str, tuple[float, ...]] = {
+    "solver.minimiser.worthwhile": (5.0, 20.0),
+    "solver.minimiser.inner.coarse.fewest": (37,),
+    "solver.minimiser.inner.coarse.modes": (4, 12),
+    "solver.minimiser.inner.coarse.first_steps": (1, 6),
+    "solver.minimiser.inner.coarse.most_rounds": (10, 100),
+    "solver.minimiser.inner.coarse.worthwhile_gain": (0.02, 0.1),
+}
 
 
-def run(scene: str, options: Options | None = None, *, accuracy: str = "inf") -> dict[str, float]:
+@dataclass(frozen=True)
+class Group:
+    """Numbers that are changed on the same tissues.
+
+    Attributes
+    ----------
+    changes : dict
+        Values in place of each number.
+    accuracy : str
+        Accuracy of the case.
+    settings : tuple of str
+        Further settings.
+    scenes : tuple of str
+        The scenes of `SCENES`.
+    """
+
+    changes: dict[str, tuple[float, ...]]
+    accuracy: str = "inf"
+    settings: tuple[str, ...] = ()
+    scenes: tuple[str, ...] = tuple(SCENES)
+
+
+GROUPS = (
+    Group(CHANGES),
+    Group(WITHIN_ACCURACY, "0.01"),
+    Group(AMONG_MANY, "0.1", ("tissue.rows=6", "tissue.cols=6"), ("empty", "pressurised")),
+)
+
+
+def run(scene: str, options: Options | None = None, group: Group = GROUPS[0]) -> dict[str, float]:
     """Return energy, plate force and iterations of a scene; nothing if it found no equilibrium."""
+    settings = [*SCENES[scene], *group.settings, f"accuracy={group.accuracy}"]
     try:
-        *_, step = ngcell.simulate(
-            ngcell.read_case("shear-empty-3x3", [*SCENES[scene], f"accuracy={accuracy}"]), options=options
-        )
+        *_, step = ngcell.simulate(ngcell.read_case("shear-empty-3x3", settings), options=options)
     except NgcellError:
         return {}
     record = step.record
@@ -106,12 +147,11 @@ def run(scene: str, options: Options | None = None, *, accuracy: str = "inf") ->
     }
 
 
-def row(number: str, value: float, as_it_is: dict[str, dict[str, float]]) -> dict[str, str | float]:
+def row(number: str, value: float, group: Group, as_it_is: dict[str, dict[str, float]]) -> dict[str, str | float]:
     """Return what a number in place of the package's does to each scene."""
     cells: dict[str, str | float] = {"number": number, "usual": f"{usual(number):g}", "here": f"{value:g}"}
-    accuracy = WITHIN if number in WITHIN_ACCURACY else "inf"
     for scene, base in as_it_is.items():
-        found = run(scene, changed(number, value), accuracy=accuracy)
+        found = run(scene, changed(number, value), group)
         for what in ("energy", "force"):
             cells[f"{scene}: {what}"] = found[what] / base[what] - 1 if found else "failed"
         cells[f"{scene}: iterations"] = found["iterations"] / base["iterations"] if found else "failed"
@@ -121,7 +161,7 @@ def row(number: str, value: float, as_it_is: dict[str, dict[str, float]]) -> dic
 
 def table(rows: Sequence[dict[str, str | float]]) -> str:
     """Return the rows as Markdown."""
-    return tables.markdown(list(rows[0]), [map(_shown, row.values()) for row in rows])
+    return tables.markdown(list(rows[0]), [[_shown(row.get(head, "")) for head in rows[0]] for row in rows])
 
 
 def _shown(value: str | float) -> str:
@@ -134,20 +174,21 @@ def _shown(value: str | float) -> str:
 def command(only: str, scenes: tuple[str, ...]) -> None:
     """Run all changes in all scenes."""
     rows: list[dict[str, str | float]] = []
-    as_it_is: dict[str, dict[str, float]] = {}
-    for accuracy, changes in (("inf", CHANGES), (WITHIN, WITHIN_ACCURACY)):
-        chosen = [(number, value) for number, values in changes.items() if only in number for value in values]
-        found = {scene: run(scene, accuracy=accuracy) for scene in scenes or SCENES} if chosen else {}
-        as_it_is = as_it_is or found
+    bases: list[dict[str, dict[str, float]]] = []
+    for group in GROUPS:
+        chosen = [(number, value) for number, values in group.changes.items() if only in number for value in values]
+        names = [scene for scene in group.scenes if not scenes or scene in scenes] if chosen else []
+        bases.append({scene: run(scene, group=group) for scene in names})
         for number, value in chosen:
-            rows.append(row(number, value, found))
+            rows.append(row(number, value, group, bases[-1]))
             click.echo(" ".join(map(_shown, rows[-1].values())), err=True)
     if only or scenes:
         return
     tables.write(RESULTS / "constants.csv", list(rows[0]), rows)
-    heads = "; ".join(f"{scene} {found['energy']:.6e}" for scene, found in as_it_is.items())
+    heads = "; ".join(f"{scene} {found['energy']:.6e}" for scene, found in bases[0].items())
     (RESULTS / "constants.md").write_text(
-        f"# What results depend on\n\n{date.today()}, {os.cpu_count()} cores. `python -m tools.studies constants` "
-        "makes this: 3x3 tissues, each number of the solver changed by itself.\nEnergies and plate forces are relative "
-        f"changes, iterations a ratio. Energies as it is: {heads}.\n\n{table(rows)}\n"
+        f"# What results depend on\n\n{date.today()}, {os.cpu_count()} cores, sources {sources()}. "
+        "`python -m tools.studies constants` makes this: 3x3 tissues, each number of the solver changed by itself, the "
+        f"last {len(AMONG_MANY)} on 6x6 tissues.\nEnergies and plate forces are relative changes, iterations a ratio. "
+        f"Energies as it is: {heads}.\n\n{table(rows)}\n"
     )
