@@ -5,6 +5,7 @@ from __future__ import annotations
 import ngcell
 from tools.runs import sources
 from tools.studies import averaged, growing
+from tools.tail import tail_of
 
 
 def test_tissues_are_sheared_by_a_share_of_their_height_and_small_ones_come_first():
@@ -51,5 +52,5 @@ def test_the_tail_begins_where_the_energy_of_a_mesh_has_settled():
     first = [(10, 2.0), (5, 1.0002), (6, 1.1), (20, 1.0001), (4, 1.0)]
     second = [(1, 0.9), (3, 0.9)]
     log = end.join("".join(line.format(*told) for told in mesh) for mesh in (first, second))
-    assert growing.tail_of(log) == f"{(4 + 3) / 49:.2f}"
-    assert growing.tail_of("nothing") == ""
+    assert tail_of(log) == f"{(4 + 3) / 49:.2f}"
+    assert tail_of("nothing") == ""

@@ -11,19 +11,18 @@ Rows go to `tools/results/growing.csv`; those of the present sources are not rep
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import click
-import numpy as np
 
 from tools import tables
 from tools.commands import described
 from tools.places import RESULTS
 from tools.runs import ended, released_rows, solve_words, sources, summary_in
+from tools.tail import tail_of
 
 TABLE, REPORT = RESULTS / "growing.csv", RESULTS / "growing.md"
 #: Rows and columns of cells.
@@ -32,13 +31,6 @@ SHARES = (0.1, 0.2)
 CASES = {"hollow": "shear-empty", "pressure": "shear-pressurised", "filled": "shear-filled"}
 #: What a run that took more time than it was given ends as.
 _LATE = "out of time"
-#: What the solver tells of a minimisation on the way, and of the end of a mesh.
-_TOLD = re.compile(
-    r"proximal weight .* (?P<factorisations>\d+) factorisations, .* energy (?P<energy>\S+),"
-    r"|refinement: mesh (?P<mesh>\d+)"
-)
-#: Share of the energy within which no minimisation of a tail moves it.
-_SETTLED = 3e-4
 _NUMBERS = ("energy", "plate_force", "mean_gap")
 _WORK = (
     "meshes", "iterations", "factorisations", "tail", "refused", "seconds", "factorisation", "assembly", "GiB", "code",
@@ -79,23 +71,6 @@ def measured(case: str, sets: Iterable[str], accuracy: float, minutes: float) ->
     phases = summary.get("seconds", {}).get("processor_by_phase", {})
     row |= {phase: f"{phases[phase]:.0f}" for phase in ("factorisation", "assembly") if phase in phases}
     return row | (numbers_of(released[-1]) if released else {})
-
-
-def tail_of(log: str) -> str:
-    """Return the share of factorisations after which the energy on a mesh hardly changes, as a text; "" without any."""
-    meshes: list[list[tuple[int, float]]] = [[]]
-    for told in _TOLD.finditer(log):
-        if told["mesh"]:
-            meshes.append([])
-        else:
-            meshes[-1].append((int(told["factorisations"]), float(told["energy"])))
-    tail = 0
-    for minimisations in meshes:
-        moving = [abs(energy - minimisations[-1][1]) > _SETTLED * abs(energy) for _, energy in minimisations]
-        settled = 1 + max(np.flatnonzero(moving), default=-1)
-        tail += sum(factorisations for factorisations, _ in minimisations[settled + 1 :])
-    total = sum(factorisations for minimisations in meshes for factorisations, _ in minimisations)
-    return f"{tail / total:.2f}" if total else ""
 
 
 def numbers_of(step: Mapping[str, str]) -> Row:
