@@ -7,6 +7,8 @@ from math import isfinite, isinf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ngcell.results.verdict import with_error
+
 if TYPE_CHECKING:
     from ngcell.ensemble import Ensemble
     from ngcell.results.spread import Spread
@@ -53,10 +55,9 @@ def last_level_lines(spreads: Sequence[Spread]) -> Iterator[str]:
 
 def spread_line(row: Spread) -> str:
     """Return a number with its error and its spread."""
-    shown = f"{row.number.replace('_', ' '):13} = {row.mean:.4g}"
+    shown = f"{row.number.replace('_', ' '):13} = {with_error(row.mean, row.error)}"
     if isfinite(row.error):
-        error = f"{100 * row.error / abs(row.mean):.1g} %" if abs(row.mean) > row.error else f"{row.error:.1g}"
-        shown += f" ± {error} (mesh)"
+        shown += " (mesh)"
     elif row.number in _ESTIMATED:
         shown += " (mesh not estimated)"
     if not isfinite(row.deviation):

@@ -22,6 +22,7 @@ import ngcell
 from ngcell.ensemble import Ensemble
 from ngcell.recording import RecordingOptions
 from ngcell.results.spread import Spread
+from ngcell.results.verdict import with_error
 from ngcell.scene import MemberChoice
 from tools import tables
 from tools.commands import described
@@ -75,12 +76,11 @@ def report(rows: list[dict[str, str]]) -> str:
 def _line(row: dict[str, str]) -> list[str]:
     mean, deviation, error = (float(row[name]) for name in ("mean", "deviation", "error"))
     size = abs(mean) or 1.0
-    promised = f" ± {100 * error / size:.1g} %" if error == error else ""
     scene, counted = f"{row['scene']} {row['settings']}".strip(), f"{row['members']} of {row['run']}"
     reach = f"{float(row['smallest']):.4g} to {float(row['largest']):.4g}"
     spread = f"{100 * deviation / size:.2g} %"
     place = [scene, row["share"], f"{float(row['displacement']):.4g}", counted, row["number"].replace("_", " ")]
-    return [*place, f"{mean:.4g}{promised}", spread, reach, row["remark"]]
+    return [*place, with_error(mean, error), spread, reach, row["remark"]]
 
 
 @described(__doc__)
