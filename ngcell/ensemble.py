@@ -220,6 +220,11 @@ def members(
     -------
     list of Spread
         A row for each level and number; members that are not certified do not count.
+
+    Raises
+    ------
+    CaseError, OutputError
+        If a member cannot be built; if the folder holds other results, or cannot be written.
     """
     options = RecordingOptions(threads, force=force, pictures=pictures)
     ensemble = Ensemble(case, out, MemberChoice(count, seed, spread), options)

@@ -59,6 +59,8 @@ def simulate(
 
     Raises
     ------
+    CaseError
+        If the scene cannot be built; `GeometryError` and `TooLarge` are kinds of it.
     NotConverged
         If a step finds no equilibrium; the error holds the steps that were accepted before.
     """
@@ -91,9 +93,19 @@ def record(
 ) -> Recording:
     """Return a run of a case, or of a scene from Python, into a result folder; iterate over it to run it.
 
+    Each step is on disk when it is yielded; afterwards `certified`, `outcome` and `summary` tell how the run ended.
     Where the folder holds accepted steps of an earlier run, it is refused unless `force` is given; they are then
     replaced when this run accepts its first step. For `terms` to `options` see `simulate`, for the others
     `ngcell.recording.RecordingOptions`.
+
+    Raises
+    ------
+    CaseError
+        At once, if there is nothing to verify; while iterating, if the scene cannot be meshed.
+    NotConverged
+        While iterating: a step found no equilibrium, or the time is over. What was accepted before is on disk.
+    OutputError
+        While iterating: the folder holds another run, or cannot be written.
     """
     how = RecordingOptions(threads, verify_penalty, verify_mesh, force, max_minutes, pictures)
     return Recording(case, out, additions=Additions(terms, observables, strategy, options), options=how)
@@ -183,7 +195,11 @@ def _recorded_case(out: Path) -> AnyCase:
 
 
 def inspect(case: AnyCase | BodyScene, *, options: Options | None = None) -> dict[str, Any]:
-    """Build a case without solving it, and return what would be solved."""
+    """Build a case without solving it, and return what would be solved; raise `CaseError` if it cannot be built.
+
+    These are counts, areas, thicknesses and neighbours of cells, meshes and memory [GiB] that are foreseen, the largest
+    gap and overlap at rest [length], the smallest and largest penalty stiffness [stress/length], and the levels.
+    """
     simulation = Simulation(case, options=options)
     facing, walls = simulation.setup.facing, simulation.walls
     gap = facing.gaps(walls, walls.rest)

@@ -16,7 +16,7 @@ _MISSED = 1e-8
 
 @dataclass(frozen=True)
 class Options:
-    """Numbers that results do not depend on; the tables of `python -m tools.studies constants` show it.
+    """Numbers on which results hardly depend, but for the branch that is found (`python -m tools.studies constants`).
 
     Attributes
     ----------

@@ -50,8 +50,8 @@ _MEANING = {
     "energy_above_tied": "potential of the released walls above that of the tied state at the same load, over the "
     "energy; released steps of SDDP",
     "lowest_curvature": "lowest eigenvalue of the tangent in the metric of the volume, closed contacts held closed, "
-    "over shear modulus by squared size of a body; a negative one is a saddle; must exceed the limit. Not sought with "
-    "load stepping, and where systems are solved by iterations",
+    "over shear modulus by squared size of a body; a negative one is a saddle; must exceed the limit. Not sought "
+    "where systems are solved by iterations",
     "energy_balance": "work minus change of stored energy, energy of separation and losses, over what a step moves; "
     "with a history",
 }

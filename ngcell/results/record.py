@@ -35,7 +35,8 @@ class StepRecord:
     parted_pairs : int
         Number of wall pairs that are apart along the whole middle half of the wall.
     opened_share : float
-        Share of the facing wall length, in the reference state, that is apart, in [0, 1].
+        Share of the facing wall length, in the reference state, that is apart, in [0, 1]: by more than 1 % of the
+        thickness of the thinner wall.
     components, largest_component : int
         Number of connected components of cells, joined by wall pairs that have not parted, and number of cells in the
         largest.
@@ -124,7 +125,7 @@ class WallRecord:
     force : float
         Magnitude of the force between the two walls [stress * length**2], >= 0.
     opened_share : float
-        Share of the wall's reference length that is apart, in [0, 1].
+        Share of the wall's reference length that is apart, in [0, 1]: by more than 1 % of the thinner wall's thickness.
     parted : bool
         Whether the walls are apart along the whole middle half of the wall.
     component : int

@@ -64,7 +64,7 @@ class Case(Section):
         contact and the end of the continuation follow from `accuracy` alone.
     mesh : MeshChoice
         How finely the walls are resolved; what is said here is kept.
-    observables : tuple of Rotation
+    observables : tuple of Rotation or SelfContactForce
         What is measured besides what every run measures; each becomes a column and a field.
     expected : tuple of Expected
         Numbers that the case is held to.

@@ -91,7 +91,7 @@ class BodyCase(Section):
         contact and the end of the continuation follow from `accuracy` alone.
     mesh : BodyMeshChoice
         How finely the bodies are resolved; what is said here is kept.
-    observables : tuple of Rotation
+    observables : tuple of Rotation or SelfContactForce
         What is measured besides what every run measures; each becomes a column and a field.
     expected : tuple of BodyExpected
         Numbers that the case is held to.

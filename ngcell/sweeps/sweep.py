@@ -267,17 +267,20 @@ def sweep(
 
     Parameters
     ----------
-    study : Study, str or Path
-        What is asked, or its file.
-    out : str or Path
-        The folder of the table, and of the results unless `store` names another one.
+    study, out
+        What is asked, or its file; the folder of the table, and of the results unless `store` names another one.
     store, scheduler, workers, memory, pictures, wait
         As for `ngcell.sweeps.options.SweepOptions`.
 
     Returns
     -------
     pandas.DataFrame
-        A row for each run and level, those of runs that failed included; `ngcell.table_to_xarray` shows it on the axes.
+        A row for each run and level, failed ones included; `ngcell.table_to_xarray` shows it on the axes.
+
+    Raises
+    ------
+    CaseError, DependencyError, OutputError
+        If the study is not allowed, a library is missing, or a folder cannot be used or a cluster has no worker.
     """
     runs = Sweep(study, Path(out), SweepOptions(store, scheduler, workers, memory, pictures=pictures, wait=wait))
     for _ in runs:

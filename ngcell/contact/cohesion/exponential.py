@@ -42,7 +42,7 @@ class Cohesion(Section):
     def check_scope(self, scene: dict[str, Any]) -> None:
         """Refuse contact and lumens with multipliers: each step in which walls snap apart would take hours."""
         if not getattr(scene.get("contact"), "goes_with_cohesion", True):
-            refuse('does not go with contact.kind = "mortar"; allowed: contact.kind = "penalty"')
+            refuse('does not go with contact.kind = "mortar"; allowed: contact.kind = "penalty" or "ngsolve"')
         if not getattr(scene.get("lumen"), "goes_with_cohesion", True):
             refuse('does not go with lumen.kind = "fluid"; allowed: another lumen, or none')
         if not getattr(scene.get("strategy"), "goes_with_history", True):

@@ -20,7 +20,10 @@ Array = NDArray[np.float64]
 
 
 class Mortar(Section):
-    """Frictionless unilateral contact by a mortar method: the contact pressure is an unknown, walls do not overlap."""
+    """Frictionless unilateral contact by a mortar method: the contact pressure is an unknown.
+
+    Walls overlap nowhere on average over an edge; single points may, by less than the certificate allows.
+    """
 
     kind: Literal["mortar"] = "mortar"
     goes_with_cohesion: ClassVar[bool] = False

@@ -23,7 +23,7 @@ class Penalty(Section):
     Parameters
     ----------
     stiffness : float
-        Multiple of the penalty stiffness that is derived from material and mesh, > 0, without unit.
+        Multiple of the penalty stiffness that is derived from material, mesh and accuracy, > 0, without unit.
     """
 
     kind: Literal["penalty"] = "penalty"

@@ -134,6 +134,12 @@ class ExponentialFibres(_Fibres):
 
     Parameters
     ----------
+    stiffness : float
+        k1 of each family, a stress, > 0.
+    angles : tuple of float
+        Angles of one or two families [degree], from the wall's direction towards the axis of the cell, from -90 to 90.
+    direction : tuple of float, shape (2,), optional
+        In place of the wall's direction in user-defined bodies, which need it: a vector in the plane, not zero.
     exponent : float
         k2, without unit, > 0.
     """
@@ -152,7 +158,13 @@ class ExponentialFibres(_Fibres):
 
 
 class QuadraticFibres(_Fibres):
-    """The standard reinforcing law: ``k1/2 (I4 - 1)**2`` in tension."""
+    """The standard reinforcing law: ``k1/2 (I4 - 1)**2`` in tension.
+
+    Parameters
+    ----------
+    stiffness, angles, direction
+        As for `ExponentialFibres`.
+    """
 
     kind: Literal["quadratic"] = "quadratic"
 

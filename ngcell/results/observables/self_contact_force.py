@@ -13,7 +13,9 @@ from ngcell.scene.section import Section
 
 
 class SelfContactForce(Section):
-    """Sum of the magnitudes of the contact forces within each lumen that has closed, for each cell [stress * length].
+    """Contact forces within each lumen that has closed, their magnitudes added up for each cell [stress * length].
+
+    They are per unit of depth in the plane.
 
     Forces between cells are no part of it.
     """
