@@ -44,11 +44,11 @@ class Bodies:
 
     @classmethod
     def of(cls, problem: Problem, options: CoarseOptions) -> Bodies | None:
-        """Return bodies if there are many, and nothing but constraints acts between them.
+        """Return bodies of planar scenes if there are many, and nothing but constraints acts between them.
 
-        Bonds do: what is low in energy for a body alone then is not, and modes gain nothing.
+        Bonds do: what is low in energy for a body alone then is not, and modes gain nothing. Nor do they in prisms.
         """
-        is_many = problem.part.max(initial=-1) + 1 >= options.fewest
+        is_many = problem.dimension == 2 and problem.part.max(initial=-1) + 1 >= options.fewest
         return cls(problem.part, options) if is_many and not problem.has_history else None
 
     def space(self, matrix: SymmetricMatrix, free: Mask, walls: Mask, kept: Index) -> CoarseSpace:

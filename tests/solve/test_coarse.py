@@ -159,7 +159,10 @@ def test_a_model_that_goes_up_at_once_is_minimised_as_without_modes():
     assert within.factorisations > without.factorisations
 
 
-@pytest.mark.parametrize(("bodies", "is_bonded", "has_modes"), [(3, False, False), (4, False, True), (4, True, False)])
-def test_modes_are_of_many_bodies_that_are_not_bonded(bodies, is_bonded, has_modes):
-    problem = SimpleNamespace(part=np.repeat(np.arange(bodies), 5), has_history=is_bonded)
+@pytest.mark.parametrize(
+    ("bodies", "dimension", "is_bonded", "has_modes"),
+    [(3, 2, False, False), (4, 2, False, True), (4, 2, True, False), (4, 3, False, False)],
+)
+def test_modes_are_of_many_planar_bodies_that_are_not_bonded(bodies, dimension, is_bonded, has_modes):
+    problem = SimpleNamespace(part=np.repeat(np.arange(bodies), 5), dimension=dimension, has_history=is_bonded)
     assert (Bodies.of(problem, CoarseOptions(fewest=4)) is not None) == has_modes
