@@ -46,7 +46,8 @@ class Bodies:
     def of(cls, problem: Problem, options: CoarseOptions) -> Bodies | None:
         """Return bodies of planar scenes if there are many, and nothing but constraints acts between them.
 
-        Bonds do: what is low in energy for a body alone then is not, and modes gain nothing. In prisms they gain as often as they lose.
+        Bonds do: what is low in energy for a body alone then is not, and modes gain nothing. In prisms they gain
+        as often as they lose.
         """
         is_many = problem.dimension == 2 and problem.part.max(initial=-1) + 1 >= options.fewest
         return cls(problem.part, options) if is_many and not problem.has_history else None

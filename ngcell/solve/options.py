@@ -1,8 +1,8 @@
 """The solver's own numbers, as records that are handed down.
 
-None of them is meant for a case: a study shows that results hardly do. Lengths are shares of the longest
-step of the minimiser, energies and forces shares of what is at stake, weights of the proximal term multiples of the
-continuation's scale (`ngcell.solve.continuation`).
+None of them is meant for a case: a study shows that results hardly depend on them, but for the branch that is found.
+Lengths are shares of the longest step of the minimiser, energies and forces shares of what is at stake, weights of the
+proximal term multiples of the continuation's scale (`ngcell.solve.continuation`).
 """
 
 from __future__ import annotations
