@@ -49,8 +49,9 @@ class Bodies:
         Bonds do: what is low in energy for a body alone then is not, and modes gain nothing. In prisms they gain
         as often as they lose.
         """
-        is_many = problem.dimension == 2 and problem.part.max(initial=-1) + 1 >= options.fewest
-        return cls(problem.part, options) if is_many and not problem.has_history else None
+        is_many = problem.part.max(initial=-1) + 1 >= options.fewest
+        is_fit = is_many and problem.dimension == 2 and not problem.has_history
+        return cls(problem.part, options) if is_fit else None
 
     def space(self, matrix: SymmetricMatrix, free: Mask, walls: Mask, kept: Index) -> CoarseSpace:
         """Return the low modes of the unknowns that are kept of all, with a matrix of these."""
