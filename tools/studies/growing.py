@@ -66,7 +66,7 @@ def measured(case: str, sets: Iterable[str], accuracy: float, minutes: float) ->
     said = run.last_words("no words").partition(";")[0]
     row |= {"outcome": summary.get("outcome") or (_LATE if run.is_late else said)}
     row |= {column: summary.get(column, "") for column in ("iterations", "factorisations", "refused")}
-    row["tail"] = tail_of(run.err)
+    row["tail"] = tail_of(run.err) if released else ""
     row["meshes"] = len(summary.get("meshes", ())) or ""
     phases = summary.get("seconds", {}).get("processor_by_phase", {})
     row |= {phase: f"{phases[phase]:.0f}" for phase in ("factorisation", "assembly") if phase in phases}
