@@ -65,9 +65,9 @@ class Refinement(Generic[Scene]):
         self.on_the_way: tuple[int, Numbers, Errors] | None = None
 
     def table(self) -> tuple[dict[str, int], ...]:
-        """Return order, grading and unknowns of the meshes that were used, the coarsest first."""
+        """Return order, grading, halvings and unknowns of the meshes that were used, the coarsest first."""
         return tuple(
-            {"order": stage.order, "grading": stage.grading, "unknowns": level.simulation.space.unknowns}
+            {**stage.of_tissue, "unknowns": level.simulation.space.unknowns}
             for stage, level in zip(self._stages, self._levels, strict=False)
         )
 

@@ -33,7 +33,7 @@ class StepReport:
     refused, cutbacks : int
         Trial steps of minimisations that were refused, and load steps that were halved.
     meshes : tuple of dict of str to int
-        Order, grading and unknowns of the meshes that were used until then, the coarsest first.
+        Order, grading, halvings and unknowns of the meshes that were used until then, the coarsest first.
     """
 
     record: StepRecord

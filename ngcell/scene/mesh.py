@@ -37,6 +37,9 @@ class MeshChoice(Section):
     grading : int, optional
         How often elements shrink towards the corners of lumens, where stresses are singular, 0 to 4; by default 0
         where an order is given.
+    halvings : int, optional
+        How often elements between graded ones are halved along the walls of a tissue, 0 to 4; by default 0 where an
+        order or a size is given, and otherwise as many as the accuracy takes.
     """
 
     order: Order | None = None
@@ -44,6 +47,7 @@ class MeshChoice(Section):
     layers: PositiveCount | None = None
     slices: PositiveCount | None = None
     grading: Annotated[int, Field(ge=0, le=4)] | None = None
+    halvings: Annotated[int, Field(ge=0, le=4)] | None = None
 
     @property
     def plain_order(self) -> int:

@@ -120,3 +120,14 @@ def test_any_honeycomb_case_is_perturbed_by_overrides():
 def test_what_leaves_no_lumen_is_refused(entries, says):
     with pytest.raises(CaseError, match=says):
         read_case("shear-empty-3x3", ["tissue.kind=perturbed", *entries])
+
+
+@pytest.mark.parametrize("part", PARTS[:3])
+def test_halved_elements_keep_the_nodes_of_those_that_they_halve(part):
+    """So what is found on one mesh is a function on the other; no element is added in graded parts of walls."""
+    tissue = Perturbed(**SIZE, **part, spread=0.1, seed=1)
+    whole, halved = (tissue.mesh("plates", MeshChoice(grading=1, halvings=count)) for count in (0, 1))
+    coarse, fine = points(whole), points(halved)
+    near = np.linalg.norm(coarse[:, None] - fine[None], axis=2).min(axis=1)
+    assert near.max() < 1e-12
+    assert whole.mesh.ne < halved.mesh.ne < 2 * whole.mesh.ne

@@ -33,6 +33,10 @@ class TissueDensity(Protocol):
         """How often elements are graded towards corners, where stresses are singular."""
 
     @property
+    def halvings(self) -> int | None:
+        """How often elements between graded ones are halved along the wall."""
+
+    @property
     def slices(self) -> int | None:
         """Elements along the height of prisms."""
 

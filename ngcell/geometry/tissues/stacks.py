@@ -66,7 +66,8 @@ def default_size(side: float, wall: float) -> float:
 def edges_along(lengths: NDArray[np.float64], wall: float, size: float, choice: TissueDensity) -> NDArray[np.int64]:
     """Return the number of elements along sides of these lengths [length], between graded ones."""
     graded = 2 * np.minimum(wall / lengths, WIDEST) if choice.grading else 0.0
-    return np.maximum(1, np.ceil((1 - graded) * lengths / size - 1e-9)).astype(np.int64)
+    whole = np.maximum(1, np.ceil((1 - graded) * lengths / size - 1e-9)).astype(np.int64)
+    return np.asarray(whole * 2 ** (choice.halvings or 0))
 
 
 def through_wall(wall: float, size: float, choice: TissueDensity) -> int:
