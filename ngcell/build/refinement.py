@@ -67,7 +67,7 @@ class Refinement(Generic[Scene]):
     def table(self) -> tuple[dict[str, int], ...]:
         """Return order, grading, halvings and unknowns of the meshes that were used, the coarsest first."""
         return tuple(
-            {**stage.of_tissue, "unknowns": level.simulation.space.unknowns}
+            {**stage.entries, "unknowns": level.simulation.space.unknowns}
             for stage, level in zip(self._stages, self._levels, strict=False)
         )
 

@@ -67,7 +67,7 @@ class Stage:
     is_reported: bool = True
 
     @property
-    def of_tissue(self) -> dict[str, int]:
+    def entries(self) -> dict[str, int]:
         """Order, grading and halvings, by the names of the entries of `mesh` that give them."""
         halvings = None if isinstance(self.scene, BodyScene) else getattr(self.scene.mesh, "halvings", None)
         return {"order": self.order, "grading": self.grading, "halvings": halvings or 0}

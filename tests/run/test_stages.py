@@ -66,7 +66,7 @@ def test_many_hollow_cells_take_shorter_elements_for_a_high_accuracy():
 
 
 def test_the_summary_names_meshes_as_a_case_does():
-    meshes = [stage.of_tissue for stage in stages_of(read_case("shear-empty", ["accuracy=0.01"]))]
+    meshes = [stage.entries for stage in stages_of(read_case("shear-empty", ["accuracy=0.01"]))]
     assert meshes[0] == {"order": 2, "grading": 1, "halvings": 1}
 
 
