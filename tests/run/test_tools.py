@@ -14,7 +14,7 @@ from click.testing import CliRunner
 
 import ngcell
 from ngcell.scene import resolved_toml
-from tools import docs, extreme, references, studies
+from tools import docs, extreme, references, studies, tables
 from tools.studies import constants, numbers
 from tools.studies.iterations import ITERATIONS, iterated
 from tools.studies.timed import Stopwatch, Timed
@@ -51,6 +51,16 @@ def test_a_command_whose_library_is_not_installed_says_so_and_the_others_are_lis
 
 def test_modules_are_no_scripts():
     assert [file for file in TOOLS.rglob("*.py") if "__name__ ==" in file.read_text(encoding="utf-8")] == []
+
+
+def test_a_row_of_constants_is_kept_at_once_and_takes_the_place_of_an_older_one(tmp_path):
+    path = tmp_path / "constants.csv"
+    for energy in (0.5, 0.25):
+        constants.keep({"number": NARROWEST, "here": "0.25", "empty: energy": energy, "code": "abc"}, path)
+    constants.keep({"number": NARROWEST, "here": "1", "empty: energy": "failed", "code": "abc"}, path)
+    rows = tables.read(path)
+    assert [(row["here"], row["empty: energy"]) for row in rows] == [("0.25", "0.25"), ("1", "failed")]
+    assert "| 0.25 |" in constants.table(rows) and "failed" in constants.table(rows)
 
 
 @pytest.mark.parametrize("number", [number for group in constants.GROUPS for number in group.changes])

@@ -5,15 +5,17 @@
 Each number is put in place of the package's, a 3x3 tissue is run again at accuracy inf, or at 0.01 if it counts there
 only, and what changes is told relative to the run with all numbers as they are: energy and plate force, and the ratio
 of iterations. Numbers that count among many cells only are changed on two tissues of 6x6 cells at accuracy 0.1. Tables
-are kept in `tools/results/constants.csv` and `.md`; a run of some numbers or scenes is shown and not kept.
+are kept in `tools/results/constants.csv` and `.md`, rows from the moment on that they are found: those of the present
+version are not run again. A run of some numbers or scenes is shown and not kept.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import date
+from pathlib import Path
 
 import click
 
@@ -124,6 +126,11 @@ class Group:
     scenes: tuple[str, ...] = tuple(SCENES)
 
 
+TABLE, REPORT = RESULTS / "constants.csv", RESULTS / "constants.md"
+#: What is told of each scene.
+_TOLD = ("energy", "force", "iterations", "certified")
+COLUMNS = ("number", "usual", "here", *(f"{scene}: {what}" for scene in SCENES for what in _TOLD), "code")
+
 GROUPS = (
     Group(CHANGES),
     Group(WITHIN_ACCURACY, "0.01"),
@@ -150,6 +157,7 @@ def run(scene: str, options: Options | None = None, group: Group = GROUPS[0]) ->
 def row(number: str, value: float, group: Group, as_it_is: dict[str, dict[str, float]]) -> dict[str, str | float]:
     """Return what a number in place of the package's does to each scene."""
     cells: dict[str, str | float] = {"number": number, "usual": f"{usual(number):g}", "here": f"{value:g}"}
+    cells["code"] = sources()
     for scene, base in as_it_is.items():
         found = run(scene, changed(number, value), group)
         for what in ("energy", "force"):
@@ -159,36 +167,52 @@ def row(number: str, value: float, group: Group, as_it_is: dict[str, dict[str, f
     return cells
 
 
-def table(rows: Sequence[dict[str, str | float]]) -> str:
+def table(rows: Iterable[Mapping[str, str | float]]) -> str:
     """Return the rows as Markdown."""
-    return tables.markdown(list(rows[0]), [[_shown(row.get(head, "")) for head in rows[0]] for row in rows])
+    return tables.markdown(COLUMNS, [[_shown(row.get(head, "")) for head in COLUMNS] for row in rows])
 
 
 def _shown(value: str | float) -> str:
-    return value if isinstance(value, str) else f"{value:.2g}"
+    try:
+        return f"{float(value):.2g}" if isinstance(value, float) or "." in value else value
+    except ValueError:
+        return str(value)
+
+
+def keep(new: Mapping[str, str | float], path: Path = TABLE) -> None:
+    """Write a row in place of an older one of the same number and value."""
+    key = new["number"], new["here"]
+    rows = [row for row in tables.read(path) if (row["number"], row["here"]) != key]
+    tables.write(path, COLUMNS, [*rows, new])
 
 
 @described(__doc__)
 @click.option("--only", default="", help="Numbers whose name has this text.")
 @click.option("--scene", "scenes", multiple=True, type=click.Choice(list(SCENES)), help="These scenes only.")
 def command(only: str, scenes: tuple[str, ...]) -> None:
-    """Run all changes in all scenes."""
-    rows: list[dict[str, str | float]] = []
+    """Run all changes in all scenes, but for those that are known."""
+    is_kept = not only and not scenes
     bases: list[dict[str, dict[str, float]]] = []
     for group in GROUPS:
-        chosen = [(number, value) for number, values in group.changes.items() if only in number for value in values]
-        names = [scene for scene in group.scenes if not scenes or scene in scenes] if chosen else []
+        known = {(old["number"], old["here"]) for old in tables.read(TABLE) if is_kept and old["code"] == sources()}
+        wanted = [(number, value) for number, values in group.changes.items() if only in number for value in values]
+        names = [scene for scene in group.scenes if not scenes or scene in scenes] if wanted else []
         bases.append({scene: run(scene, group=group) for scene in names})
-        for number, value in chosen:
-            rows.append(row(number, value, group, bases[-1]))
-            click.echo(" ".join(map(_shown, rows[-1].values())), err=True)
-    if only or scenes:
+        for number, value in wanted:
+            if (number, f"{value:g}") in known:
+                continue
+            new = row(number, value, group, bases[-1])
+            click.echo(" ".join(map(_shown, new.values())), err=True)
+            if is_kept:
+                keep(new)
+    if not is_kept:
         return
-    tables.write(RESULTS / "constants.csv", list(rows[0]), rows)
     heads = "; ".join(f"{scene} {found['energy']:.6e}" for scene, found in bases[0].items())
-    (RESULTS / "constants.md").write_text(
+    order = [(number, f"{value:g}") for group in GROUPS for number in group.changes for value in group.changes[number]]
+    found = {(row["number"], row["here"]): row for row in tables.read(TABLE)}
+    REPORT.write_text(
         f"# What results depend on\n\n{date.today()}, {os.cpu_count()} cores, sources {sources()}. "
         "`python -m tools.studies constants` makes this: 3x3 tissues, each number of the solver changed by itself, the "
         f"last {len(AMONG_MANY)} on 6x6 tissues.\nEnergies and plate forces are relative changes, iterations a ratio. "
-        f"Energies as it is: {heads}.\n\n{table(rows)}\n"
+        f"Energies as it is: {heads}.\n\n{table(found[key] for key in order)}\n"
     )
