@@ -85,7 +85,8 @@ def title_of_changed(table: Mapping[str, Any], settings: Sequence[Setting]) -> t
         The title; empty where the file has none, where it is set itself, or where nothing else is.
     """
     keys, title = {setting.path[0] for setting in settings}, table.get("title")
-    told = [_said(setting) for setting in settings if setting.path[0] not in _SAYS_NOTHING]
+    last = {setting.path: setting for setting in settings}  # what is set twice counts once
+    told = [_said(setting) for setting in last.values() if setting.path[0] not in _SAYS_NOTHING]
     if not told or "title" in keys or not isinstance(title, str) or not title:
         return ()
     return (Setting(("title",), f"{title} (with {', '.join(told)})", "title"),)

@@ -152,6 +152,7 @@ def test_a_title_is_followed_by_what_was_set_beside_the_file(write_case: WriteCa
     title = read_case(write_case()).title
     changed = read_case(write_case(), ["tissue.rows=3", "load.displacement=[0.2, 0.0]", "expected=[]"])
     assert changed.title == f"{title} (with tissue.rows = 3, load.displacement = [0.2, 0.0])"
+    assert read_case(write_case(), ["load.levels=3", "load.levels=2"]).title == f"{title} (with load.levels = 2)"
     many = ", ".join(f"{0.01 * number:.2f}" for number in range(1, 21))
     assert read_case(write_case(), [f"load.levels=[{many}]"]).title == f"{title} (with another load.levels)"
     assert read_case(write_case(), ["tissue.rows=3", "title=Three rows"]).title == "Three rows"
