@@ -22,10 +22,12 @@ def append(table: Path, columns: Sequence[str], rows: Iterable[Mapping[str, obje
 
 
 def write(table: Path, columns: Sequence[str], rows: Iterable[Mapping[str, object]]) -> None:
-    """Write rows in place of those that are there."""
+    """Write rows in place of those that are there, which are kept if it fails."""
     table.parent.mkdir(parents=True, exist_ok=True)
-    table.unlink(missing_ok=True)
-    _add(table, columns, rows, is_new=True)
+    new = table.with_suffix(".new")
+    new.unlink(missing_ok=True)
+    _add(new, columns, rows, is_new=True)
+    new.replace(table)
 
 
 def _add(table: Path, columns: Sequence[str], rows: Iterable[Mapping[str, object]], *, is_new: bool) -> None:

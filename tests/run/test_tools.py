@@ -53,6 +53,14 @@ def test_modules_are_no_scripts():
     assert [file for file in TOOLS.rglob("*.py") if "__name__ ==" in file.read_text(encoding="utf-8")] == []
 
 
+def test_a_table_is_kept_where_its_successor_cannot_be_written(tmp_path):
+    path = tmp_path / "table.csv"
+    tables.write(path, ["one"], [{"one": 1}])
+    with pytest.raises(ValueError, match="fieldnames"):
+        tables.write(path, ["one"], [{"one": 2}, {"two": 2}])
+    assert tables.read(path) == [{"one": "1"}]
+
+
 def test_a_row_of_constants_is_kept_at_once_and_takes_the_place_of_an_older_one(tmp_path):
     path = tmp_path / "constants.csv"
     for energy in (0.5, 0.25):
