@@ -32,7 +32,7 @@ def test_check_shows_what_would_be_solved(fake_run: FakeRun) -> None:
 
 def test_check_tells_meshes_in_words_and_no_reason_where_errors_are_estimated() -> None:
     answer = CliRunner().invoke(ngcell, ["check", "shear-empty-3x3"])
-    assert "order 2, grading 1, unknowns 2592; order 3" in answer.stdout and "{" not in answer.stdout
+    assert "order 2, grading 1, halvings 0, unknowns 2592; order 3" in answer.stdout and "{" not in answer.stdout
     assert "error not estimated" not in answer.stdout
     coarse = CliRunner().invoke(ngcell, ["check", "shear-empty-3x3", "--set", "accuracy=inf"])
     assert "error not estimated" in coarse.stdout
