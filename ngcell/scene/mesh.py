@@ -38,8 +38,8 @@ class MeshChoice(Section):
         How often elements shrink towards the corners of lumens, where stresses are singular, 0 to 4; by default 0
         where an order is given.
     halvings : int, optional
-        How often elements between graded ones are halved along the walls of a tissue, 0 to 4; by default 0 where an
-        order or a size is given, and otherwise as many as the accuracy takes.
+        How often elements between graded ones are halved along the walls of a tissue, 0 to 4; by default 0 where
+        order, size or grading is given, and otherwise as many as the accuracy takes.
     """
 
     order: Order | None = None

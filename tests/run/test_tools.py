@@ -65,10 +65,10 @@ def test_a_row_of_constants_is_kept_at_once_and_takes_the_place_of_an_older_one(
     path = tmp_path / "constants.csv"
     for energy in (0.5, 0.25):
         constants.keep({"number": NARROWEST, "here": "0.25", "empty: energy": energy, "code": "abc"}, path)
-    constants.keep({"number": NARROWEST, "here": "1", "empty: energy": "failed", "code": "abc"}, path)
+    constants.keep({"number": NARROWEST, "here": "0.125", "empty: energy": "failed", "code": "abc"}, path)
     rows = tables.read(path)
-    assert [(row["here"], row["empty: energy"]) for row in rows] == [("0.25", "0.25"), ("1", "failed")]
-    assert "| 0.25 |" in constants.table(rows) and "failed" in constants.table(rows)
+    assert [(row["here"], row["empty: energy"]) for row in rows] == [("0.25", "0.25"), ("0.125", "failed")]
+    assert all(f"| {text} |" in constants.table(rows) for text in ("0.25", "0.125", "failed"))
 
 
 @pytest.mark.parametrize("number", [number for group in constants.GROUPS for number in group.changes])

@@ -128,7 +128,8 @@ class Group:
 
 TABLE, REPORT = RESULTS / "constants.csv", RESULTS / "constants.md"
 #: What is told of each scene.
-_TOLD = ("energy", "force", "iterations", "certified")
+_MEASURED = ("energy", "force", "iterations")
+_TOLD = (*_MEASURED, "certified")
 COLUMNS = ("number", "usual", "here", *(f"{scene}: {what}" for scene in SCENES for what in _TOLD), "code")
 
 GROUPS = (
@@ -169,14 +170,13 @@ def row(number: str, value: float, group: Group, as_it_is: dict[str, dict[str, f
 
 def table(rows: Iterable[Mapping[str, str | float]]) -> str:
     """Return the rows as Markdown."""
-    return tables.markdown(COLUMNS, [[_shown(row.get(head, "")) for head in COLUMNS] for row in rows])
+    return tables.markdown(COLUMNS, [[_shown(head, row.get(head, "")) for head in COLUMNS] for row in rows])
 
 
-def _shown(value: str | float) -> str:
-    try:
-        return f"{float(value):.2g}" if isinstance(value, float) or "." in value else value
-    except ValueError:
-        return str(value)
+def _shown(head: str, value: str | float) -> str:
+    """Return what stands in a column, with two digits where it was measured."""
+    is_measured = head.endswith(_MEASURED) and value not in ("", "failed")
+    return f"{float(value):.2g}" if is_measured else str(value)
 
 
 def keep(new: Mapping[str, str | float], path: Path = TABLE) -> None:
@@ -202,7 +202,7 @@ def command(only: str, scenes: tuple[str, ...]) -> None:
             if (number, f"{value:g}") in known:
                 continue
             new = row(number, value, group, bases[-1])
-            click.echo(" ".join(map(_shown, new.values())), err=True)
+            click.echo(" ".join(_shown(*cell) for cell in new.items()), err=True)
             if is_kept:
                 keep(new)
     if not is_kept:
