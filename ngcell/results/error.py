@@ -10,9 +10,11 @@ a minimum and falls from mesh to mesh:
   refinement has found the change c: ``1 - c / e`` remains, and never less than at these corners. After a grade alone
   the error is also known in two parts (`ngcell.results.parts_of_error`); the smaller of the two is told.
 
-No share is taken larger than `MOST_REMAINS`. Another number may stay by accident while the mesh changes: what was told
-of it before falls by no more than the share. The first mesh, on which the load path is followed, is too coarse for what
-is told by it to be remembered so.
+No share is taken larger than `MOST_REMAINS`. Another number may stay by accident while the mesh changes: what the
+refinement before told of it falls by no more than the share. By accident it stays once, so that nothing older is
+remembered, and the first mesh, on which the load path is followed, is too coarse for what is told by it. Gaps depend
+on errors elsewhere as well, which a grade towards corners leaves: after a grade alone what was told of them falls by no
+more than what the grade has changed.
 
 Which bodies nothing holds may change from mesh to mesh, and with it the walls that a mean gap is taken over: changes
 are those of the walls that are held on the last mesh.
@@ -130,6 +132,7 @@ class Errors:
 NO_ERRORS = Errors()
 #: Numbers whose errors are reported.
 ERROR_NAMES = ("energy", "plate_force", "contact_force", "mean_gap", "largest_gap")
+_GAPS = ("mean_gap", "largest_gap")
 _REPORTED = ("utilisation", *ERROR_NAMES)
 _TOLD = ("potential", *_REPORTED)
 
@@ -153,16 +156,28 @@ def estimate(
     if len(found) < 2:
         return Errors()
     told: dict[str, float] = {}
+    of_before: dict[str, float] = {}
     changed = 0.0
     found = [one.over_walls_of(meant or found[-1]) for one in found]
     changes = [{name: _change(one, two, name) for name in _TOLD} for one, two in zip(found, found[1:], strict=False)]
     for number, (change, how) in enumerate(zip(changes, refined, strict=False)):
         share = _share(how, change["potential"], changed, told.get("potential"))
         remains = share if of_last else 1.0
-        new = {name: max(change[name] * remains / (1 - share), share * told.get(name, 0.0)) for name in _TOLD}
+        alone = {name: change[name] * remains / (1 - share) for name in _TOLD}
+        new = {name: max(alone[name], _kept(name, how, share, change, of_before)) for name in _TOLD}
         told, changed = new if number else {}, 0.0 if how.is_graded else change["potential"]
+        of_before = {} if not number else new if how.is_graded_alone else alone
     in_parts = _in_parts(changes, refined) if of_last else {}
     return _with_contact(meant or found[-1], {name: min(new[name], in_parts.get(name, inf)) for name in _TOLD})
+
+
+def _kept(
+    name: str, how: Refining, share: float, change: Mapping[str, float], of_before: Mapping[str, float]
+) -> float:
+    """Return what a refinement leaves at least of the error of a number that the one before told."""
+    told = of_before.get(name, 0.0)
+    by_change = told - change[name] if name in _GAPS and how.is_graded_alone else 0.0
+    return max(share * told, by_change)
 
 
 def _in_parts(changes: Sequence[Mapping[str, float]], refined: Sequence[Refining]) -> dict[str, float]:

@@ -36,6 +36,11 @@ class Refining:
     is_graded: bool = False
     elsewhere: float = 0.0
 
+    @property
+    def is_graded_alone(self) -> bool:
+        """Whether it is graded, and does nothing elsewhere."""
+        return self.is_graded and self.elsewhere == 1
+
 
 def error_in_parts(changes: Sequence[float], refined: Sequence[Refining]) -> float | None:
     """Return the error of the potential that the last refinement leaves; None where no grading has told its parts.
@@ -47,7 +52,7 @@ def error_in_parts(changes: Sequence[float], refined: Sequence[Refining]) -> flo
     refined : sequence of Refining
         These refinements.
     """
-    alone = [number for number, how in enumerate(refined) if how.is_graded and how.elsewhere == 1]
+    alone = [number for number, how in enumerate(refined) if how.is_graded_alone]
     if not alone or alone[-1] + 1 >= len(changes):
         return None
     first = alone[-1]

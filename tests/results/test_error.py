@@ -79,6 +79,24 @@ def test_a_number_that_stays_by_accident_is_told_what_the_share_has_left():
     assert estimate(found, by_order(0.5)).mean_gap == pytest.approx(0.1, rel=1e-12)
 
 
+def test_what_stays_twice_is_no_accident():
+    """From the third mesh on the walls carry no plate force, which was told to be known to a fifth."""
+    found = [numbers(2.0 + 0.5**step, force=force) for step, force in enumerate((1.0, 0.2, 0.0, 0.0, 0.0))]
+    assert estimate(found[:3], by_order(0.5)).plate_force == pytest.approx(0.2, rel=1e-12)
+    assert estimate(found[:4], by_order(0.5)).plate_force == pytest.approx(0.1, rel=1e-12)
+    assert estimate(found, by_order(0.5)).plate_force == 0
+
+
+@pytest.mark.parametrize(("moves", "left"), [(0.0, 0.1), (0.02, 0.08), (0.09, 0.09 / 3)])
+def test_a_grade_alone_leaves_of_gaps_what_it_has_not_changed(moves: float, left: float):
+    """Of the energy it has found three quarters; gaps hang on walls between the corners that it is towards."""
+    found = [numbers(9.0, gap=3.0), numbers(2.2, gap=1.1), numbers(2.1, gap=1.0), numbers(2.025, gap=1.0 - moves)]
+    refined = [Refining(0.5), Refining(0.5), Refining(0.1, is_graded=True, elsewhere=1.0)]
+    errors = estimate(found, refined)
+    assert (errors.energy, errors.mean_gap) == pytest.approx((0.025, left), rel=1e-9)
+    assert errors.largest_gap == errors.mean_gap
+
+
 def test_what_is_told_by_the_mesh_of_the_load_path_is_not_remembered():
     found = [numbers(9.0), numbers(2.1), numbers(2.05)]
     assert estimate(found, by_order(0.5)).energy == pytest.approx(0.05, rel=1e-12)
