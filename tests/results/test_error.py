@@ -89,7 +89,7 @@ def test_what_stays_twice_is_no_accident():
 
 @pytest.mark.parametrize(("moves", "left"), [(0.0, 0.1), (0.02, 0.08), (0.09, 0.09 / 3)])
 def test_a_grade_alone_leaves_of_gaps_what_it_has_not_changed(moves: float, left: float):
-    """Of the energy it has found three quarters; gaps hang on walls between the corners that it is towards."""
+    """Of the energy it has found three quarters; gaps depend on walls between the corners that it is towards."""
     found = [numbers(9.0, gap=3.0), numbers(2.2, gap=1.1), numbers(2.1, gap=1.0), numbers(2.025, gap=1.0 - moves)]
     refined = [Refining(0.5), Refining(0.5), Refining(0.1, is_graded=True, elsewhere=1.0)]
     errors = estimate(found, refined)
