@@ -24,12 +24,14 @@ class Mesh:
 
     Attributes
     ----------
-    order, grading, unknowns : int
-        Order of the elements, how often they are graded towards corners, and number of displacement unknowns.
+    order, grading, halvings, unknowns : int
+        Order of the elements, how often they are graded towards corners and halved along walls, and number of
+        displacement unknowns.
     """
 
     order: int
     grading: int
+    halvings: int
     unknowns: int
 
 

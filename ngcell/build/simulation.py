@@ -92,7 +92,7 @@ class Simulation(Problems):
             levels=self.levels,
             expected=() if isinstance(self._case, BodyScene) else self._case.expected,
             observables=(*self._case.observables, *observables),
-            mesh=Mesh(stages[0].order, stages[0].grading, self.space.unknowns),
+            mesh=Mesh(**stages[0].entries, unknowns=self.space.unknowns),
         )
 
     @property
