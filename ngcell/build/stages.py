@@ -30,9 +30,10 @@ from ngcell.scene.mesh import HIGHEST_ORDER
 _TISSUE, _FINE = ((2, 1), (3, 1), (4, 1), (4, 2), (5, 2), (6, 3)), 0.02
 #: How often elements along walls of hollow cells are halved, on every mesh, for a higher accuracy. Where contacts end
 #: between the nodes of a wall, a higher order helps little, and soft tissues slide from mesh to mesh for what it lets
-#: the energy fall: 35 cells by 5 % of their mean gap with long elements, and by 1 % with these. Few cells whose sides
-#: are equal, within a share, do without down to a higher accuracy, and take two thirds of the time.
-_HALVED, _MANY, _EQUAL, _FEW_FINE = 1, 25, 0.01, 0.01
+#: the energy fall: 35 cells by 5 % of their mean gap with long elements, and by 1 % with these. It is done below
+#: the first accuracy, and for few cells whose sides are equal, within a share, below the second: at 0.01 these take two
+#: thirds of the time without.
+_HALVED, _MAY_SLIDE, _FEW_MAY_SLIDE, _MANY, _EQUAL = 1, 0.05, 0.01, 25, 0.01
 #: Lowest order of filled cells of any shape in the plane: at order 2 they are so far off that on the next mesh their
 #: walls would have to be settled anew.
 _FILLED = 3
@@ -136,7 +137,7 @@ def _may_slide(case: Case) -> bool:
     is_hollow = getattr(case.lumen, "solid", None) is None
     if not is_planar or not is_hollow or case.mesh.size is not None or case.mesh.halvings is not None:
         return False
-    return bool(case.accuracy < (_FEW_FINE if _are_few_and_alike(case.tissue) else _FINE))
+    return bool(case.accuracy < (_FEW_MAY_SLIDE if _are_few_and_alike(case.tissue) else _MAY_SLIDE))
 
 
 def _are_few_and_alike(tissue: TissueGeometry) -> bool:

@@ -58,12 +58,12 @@ def halvings(case: str, *changes: str) -> set[int | None]:
 
 def test_hollow_cells_take_shorter_elements_for_a_high_accuracy():
     """Their cells slide on from mesh to mesh otherwise: of five scenes of 35 of them two were certified."""
-    assert halvings("shear-empty", "accuracy=0.01") == {1}
+    assert halvings("shear-empty", "accuracy=0.01") == halvings("shear-empty", "accuracy=0.03") == {1}
     noisy = ('tissue.kind="perturbed"', "tissue.spread=0.03", "tissue.seed=1")
     assert halvings("shear-empty-3x3", *noisy) == halvings("shear-empty-3x3", "accuracy=0.003") == {1}
     assert halvings("shear-empty", "accuracy=0.01", "mesh.size=0.5") == {None}
     assert halvings("shear-empty", "accuracy=0.01", "mesh.halvings=2") == {2}
-    assert halvings("shear-empty", "accuracy=0.02") == halvings("shear-empty-3x3") == {None}
+    assert halvings("shear-empty", "accuracy=0.05") == halvings("shear-empty-3x3") == {None}
     assert halvings("shear-filled", "accuracy=0.01") == {None}
 
 
