@@ -16,6 +16,9 @@ remembered, and the first mesh, on which the load path is followed, is too coars
 on errors elsewhere as well, which a grade towards corners leaves: after a grade alone what was told of them falls by no
 more than what the grade has changed.
 
+Where walls are strained by nothing on two meshes in turn, energies and forces err by no more than they are: what
+coarser meshes have told of them counts no more.
+
 Which bodies nothing holds may change from mesh to mesh, and with it the walls that a mean gap is taken over: changes
 are those of the walls that are held on the last mesh.
 
@@ -96,6 +99,11 @@ class Numbers:
         return self if told is None else replace(self, mean_gap=told[0], largest_gap=told[1])
 
     @property
+    def stores_nothing(self) -> bool:
+        """Whether no wall is strained by more than what nothing is told apart from."""
+        return abs(self.energy) <= self.scales[0]
+
+    @property
     def without_contact(self) -> Numbers:
         """The same without what they err by besides the mesh."""
         return replace(self, besides=0.0, overlap=0.0)
@@ -167,8 +175,10 @@ def estimate(
         new = {name: max(alone[name], _kept(name, how, share, change, of_before)) for name in _TOLD}
         told, changed = new if number else {}, 0.0 if how.is_graded else change["potential"]
         of_before = {} if not number else new if how.is_graded_alone else alone
-    in_parts = _in_parts(changes, refined) if of_last else {}
-    return _with_contact(meant or found[-1], {name: min(new[name], in_parts.get(name, inf)) for name in _TOLD})
+    at_most = _in_parts(changes, refined) if of_last else {}
+    if all(one.stores_nothing for one in found[-2:]):
+        at_most |= {name: _size(getattr(found[-1], name)) for name in _TOLD if name not in _GAPS}
+    return _with_contact(meant or found[-1], {name: min(new[name], at_most.get(name, inf)) for name in _TOLD})
 
 
 def _kept(
@@ -242,4 +252,8 @@ def errors_beside(errors: Errors, there: Numbers, here: Numbers) -> Errors:
 
 
 def _change(one: Numbers, two: Numbers, name: str) -> float:
-    return float(np.linalg.norm(np.atleast_1d(getattr(two, name) - getattr(one, name))))
+    return _size(getattr(two, name) - getattr(one, name))
+
+
+def _size(number: float | Array) -> float:
+    return float(np.linalg.norm(np.atleast_1d(number)))

@@ -87,6 +87,16 @@ def test_what_stays_twice_is_no_accident():
     assert estimate(found, by_order(0.5)).plate_force == 0
 
 
+def test_where_walls_are_strained_by_nothing_forces_err_by_no_more_than_they_are():
+    """A tissue has come apart on the second mesh; the first one still pressed it a little."""
+    found = [numbers(2.0), numbers(1e-10, force=1e-8, gap=2.0), numbers(1e-13, force=1e-11, gap=2.2)]
+    errors = estimate(found, by_order(0.5))
+    assert (errors.energy, errors.plate_force) == pytest.approx((1e-13, 1e-11), rel=1e-9)
+    assert errors.mean_gap == pytest.approx(0.2, rel=1e-9)  # gaps are as far off as ever
+    strained = [found[0], numbers(1e-8, force=1e-8, gap=2.0), found[2]]
+    assert estimate(strained, by_order(0.5)).plate_force == pytest.approx(1e-8, rel=2e-3)
+
+
 @pytest.mark.parametrize(("moves", "left"), [(0.0, 0.1), (0.02, 0.08), (0.09, 0.09 / 3)])
 def test_a_grade_alone_leaves_of_gaps_what_it_has_not_changed(moves: float, left: float):
     """Of the energy it has found three quarters; gaps depend on walls between the corners that it is towards."""
