@@ -30,9 +30,9 @@ from ngcell.scene.mesh import HIGHEST_ORDER
 _TISSUE, _FINE = ((2, 1), (3, 1), (4, 1), (4, 2), (5, 2), (6, 3)), 0.02
 #: How often elements along walls of hollow cells are halved, on every mesh, for a higher accuracy. In 35 cells long
 #: elements between corners have two fifths of what order 4 has beyond order 3, and these a tenth. Soft tissues slide
-#: from mesh to mesh for what is missing: by 5 % of their mean gap with long ones, and by 1 to 2 % with these. It is done
-#: below the first accuracy, and for few cells whose sides are equal, within a share, below the second: at 0.01 these
-#: take two thirds of the time without.
+#: from mesh to mesh for what is missing: by 5 % of their mean gap with long ones, and by 1 to 2 % with these.
+#: It is done below the first accuracy, and for few cells whose sides are equal, within a share, below the second: at
+#: 0.01 these take two thirds of the time without.
 _HALVED, _MAY_SLIDE, _FEW_MAY_SLIDE, _MANY, _EQUAL = 1, 0.05, 0.01, 25, 0.01
 #: Lowest order of filled cells of any shape in the plane: at order 2 they are so far off that on the next mesh their
 #: walls would have to be settled anew.

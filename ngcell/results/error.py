@@ -177,7 +177,8 @@ def estimate(
         of_before = {} if not number else new if how.is_graded_alone else alone
     at_most = _in_parts(changes, refined) if of_last else {}
     if all(one.stores_nothing for one in found[-2:]):
-        at_most |= {name: _size(getattr(found[-1], name)) for name in _TOLD if name not in _GAPS}
+        told_of = found[-1 if of_last else -2]
+        at_most |= {name: _size(getattr(told_of, name)) for name in _TOLD if name not in _GAPS}
     return _with_contact(meant or found[-1], {name: min(new[name], at_most.get(name, inf)) for name in _TOLD})
 
 

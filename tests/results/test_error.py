@@ -93,6 +93,7 @@ def test_where_walls_are_strained_by_nothing_forces_err_by_no_more_than_they_are
     errors = estimate(found, by_order(0.5))
     assert (errors.energy, errors.plate_force) == pytest.approx((1e-13, 1e-11), rel=1e-9)
     assert errors.mean_gap == pytest.approx(0.2, rel=1e-9)  # gaps are as far off as ever
+    assert estimate(found, by_order(0.5), of_last=False).plate_force == pytest.approx(1e-8, rel=1e-9)
     strained = [found[0], numbers(1e-8, force=1e-8, gap=2.0), found[2]]
     assert estimate(strained, by_order(0.5)).plate_force == pytest.approx(1e-8, rel=2e-3)
 
