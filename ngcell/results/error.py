@@ -12,12 +12,12 @@ a minimum and falls from mesh to mesh:
 
 No share is taken larger than `MOST_REMAINS`. Another number may stay by accident while the mesh changes: what the
 refinement before told of it falls by no more than the share. By accident it stays once, so that nothing older is
-remembered, and the first mesh, on which the load path is followed, is too coarse for what is told by it. Gaps depend
-on errors elsewhere as well, which a grade towards corners leaves: after a grade alone what was told of them falls by no
-more than what the grade has changed.
+remembered; a grade alone does not count, and hands on what it kept. The first mesh, on which the load path is followed,
+is too coarse for what is told by it. Gaps depend on errors elsewhere as well, which a grade towards corners leaves:
+after a grade alone what was told of them falls by no more than what the grade has changed.
 
-Where walls are strained by nothing on two meshes in turn, energies and forces err by no more than they are: what
-coarser meshes have told of them counts no more.
+Where walls are hardly strained on two meshes in turn, with less energy than anything is told apart from, energies and
+forces err by no more than they are: what coarser meshes have told of them counts no more.
 
 Which bodies nothing holds may change from mesh to mesh, and with it the walls that a mean gap is taken over: changes
 are those of the walls that are held on the last mesh.
@@ -100,7 +100,7 @@ class Numbers:
 
     @property
     def stores_nothing(self) -> bool:
-        """Whether no wall is strained by more than what nothing is told apart from."""
+        """Whether walls are hardly strained: the energy is below that from which on anything is told apart."""
         return abs(self.energy) <= self.scales[0]
 
     @property

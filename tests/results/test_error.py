@@ -87,7 +87,7 @@ def test_what_stays_twice_is_no_accident():
     assert estimate(found, by_order(0.5)).plate_force == 0
 
 
-def test_where_walls_are_strained_by_nothing_forces_err_by_no_more_than_they_are():
+def test_where_walls_are_hardly_strained_forces_err_by_no_more_than_they_are():
     """A tissue has come apart on the second mesh; the first one still pressed it a little."""
     found = [numbers(2.0), numbers(1e-10, force=1e-8, gap=2.0), numbers(1e-13, force=1e-11, gap=2.2)]
     errors = estimate(found, by_order(0.5))

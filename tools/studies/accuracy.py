@@ -132,7 +132,7 @@ def report() -> str:
             pairs.append(f"{100 * promised:.2g} / {100 * found:.2g}")
             if name == "energy":
                 effectivity = f"{promised / max(found, 1e-300):.2g}"
-        mesh = ", ".join(row.get(name) or "" for name in MESH[:-1])
+        mesh = ", ".join(row[name] for name in MESH[:-1])
         cells = [row["scene"], row["accuracy"], *pairs, effectivity, mesh, row["unknowns"], row["certified"]]
         lines.append("| " + " | ".join([*cells, row.get("tail", ""), row["seconds"], row["code"]]) + " |")
     return "\n".join(lines) + "\n"
