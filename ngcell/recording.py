@@ -22,7 +22,7 @@ from ngcell.build.additions import Additions
 from ngcell.build.checkpoint import Checkpoint
 from ngcell.build.run_summary import onset_of_growth, reached, run_summary
 from ngcell.build.simulation import Simulation
-from ngcell.build.verification import check_has_no_estimate, check_has_penalty, finer_result, stiffer_result
+from ngcell.build.verification import check_has_penalty, finer_result, stiffer_result
 from ngcell.clock import Clock, OutOfTime
 from ngcell.errors import CaseError, NotConverged
 from ngcell.export import Restart, ResultFolder, cannot_resume
@@ -55,7 +55,8 @@ class RecordingOptions:
     verify_penalty : bool
         Whether the last level is repeated with a stiffer penalty, to report how far the result moves.
     verify_mesh : bool
-        Whether a scene whose errors are not estimated is solved again by elements of one order more, to report them.
+        Whether the last level is solved again on a finer mesh: on the finest one, to report how far its numbers move
+        beside their estimated errors; by one order more where none are estimated, to report errors.
     force : bool
         Whether accepted steps of an earlier run that the folder holds may be replaced.
     max_minutes : float, optional
@@ -118,8 +119,7 @@ class Recording:
     OutputError
         While iterating: the folder cannot be used or written.
     CaseError
-        While iterating: the scene cannot be meshed. At once: there is no penalty to verify, or errors are estimated
-        and leave nothing to verify of the mesh.
+        While iterating: the scene cannot be meshed. At once: there is no penalty to verify.
     """
 
     def __init__(
@@ -133,8 +133,6 @@ class Recording:
     ) -> None:
         if options.verify_penalty:
             check_has_penalty(case)
-        if options.verify_mesh:
-            check_has_no_estimate(case)
         self._case, self._out, self._additions = case, Path(out), additions
         self._options, self._restart = options, restart
         self.summary: dict[str, Any] = {}

@@ -97,6 +97,17 @@ class Refinement(Generic[Scene]):
         self.on_the_way = None  # it is accepted: what stops on the way to the next step tells nothing of it
         return found
 
+    def taken_on(self, reported: Refined[Scene]) -> Refined[Scene] | None:
+        """Return a step on the finest mesh that finds an equilibrium beside it; None where no finer one does."""
+        last = reported
+        try:
+            while (finer := self._next(last)) is not None:
+                last = finer
+            return None if last is reported else self._levels[last.level].finished(last) or last
+        finally:
+            for level in self._levels:
+                level.release()
+
     def _refined_and_stable(self, accepted: Accepted) -> Refined[Scene]:
         found = self._refined(accepted)
         if found.accepted.minimum is accepted.minimum:  # the load path has told the curvature of its own
@@ -104,7 +115,7 @@ class Refinement(Generic[Scene]):
         below = self._levels[found.level].stable(found)
         if below.accepted.minimum.state is found.accepted.minimum.state:
             return below
-        return replace(below, errors=errors_beside(below.errors, _numbers(found), _numbers(below)))
+        return replace(below, errors=errors_beside(below.errors, step_numbers(found), step_numbers(below)))
 
     def _refined(self, accepted: Accepted, *, is_slipping: bool = False) -> Refined[Scene]:
         """Return a step on the mesh that it is reported on.
@@ -118,7 +129,7 @@ class Refinement(Generic[Scene]):
         reported = last = Refined(0, base, base.problem_of(accepted.phase), accepted, Errors(), is_judged)
         if not self.estimates:
             return last
-        found, refined, errors = [_numbers(last)], list[Refining](), Errors()
+        found, refined, errors = [step_numbers(last)], list[Refining](), Errors()
         while (finer := self._next(last)) is not None:
             finer, here = self._by_firm_contact(finer)
             found.append(here)
@@ -145,7 +156,7 @@ class Refinement(Generic[Scene]):
                 return self._refined(replace(accepted, effort=last.accepted.effort), is_slipping=True)
             if finished is None:
                 continue
-            here = _numbers(finished)
+            here = step_numbers(finished)
             if here.potential < slid:  # no mesh has told anything of what is here, and it is not at rest
                 found, refined, last = [here.without_contact], [], replace(finished, errors=Errors())
                 continue
@@ -165,14 +176,14 @@ class Refinement(Generic[Scene]):
 
         Penalty terms adapt to energies. Walls that hardly open may overlap by more than their gaps may err.
         """
-        numbers = _numbers(finer)
+        numbers = step_numbers(finer)
         if not finer.is_judged or finer.only_leads or finer.level != _SETTLED_ON:
             return finer, numbers
         while numbers.overlap > _OF_CONTACT * self._accuracy * max(abs(numbers.mean_gap), numbers.scales[2]):
             stiffer = self._levels[finer.level].stiffer(finer)
             if stiffer.accepted.minimum is finer.accepted.minimum:
                 return stiffer, numbers
-            finer, numbers = stiffer, _numbers(stiffer)
+            finer, numbers = stiffer, step_numbers(stiffer)
         return finer, numbers
 
     def _reported(
@@ -192,7 +203,7 @@ class Refinement(Generic[Scene]):
         finished = self._levels[last.level].finished(last, may_slide=may_slide, leads_below=leads_below)
         if finished is None:
             return None
-        return replace(finished, errors=estimate(found, refined, meant=_numbers(finished)))
+        return replace(finished, errors=estimate(found, refined, meant=step_numbers(finished)))
 
     def _slid(self, led: Numbers, times: float) -> float:
         """Return the potential below which walls have slid on where multipliers took over, at so many times the fall
@@ -231,7 +242,8 @@ class Refinement(Generic[Scene]):
         return finer
 
 
-def _numbers(one: Refined[Scene]) -> Numbers:
+def step_numbers(one: Refined[Scene]) -> Numbers:
+    """Return the numbers of a step that errors are estimated for."""
     simulation, minimum = one.simulation, one.accepted.minimum
     with simulation.clock.phase("measuring"):
         state = cast(State, minimum.state)

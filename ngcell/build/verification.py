@@ -1,7 +1,8 @@
 """How far a result depends on what an equilibrium should not: the same once more, with another penalty or mesh.
 
-Nothing of a run changes by it. A stiffer penalty tells what its overlaps cost; elements of one order more tell the
-error of a mesh that no estimate is made for, as where bonds remember how they were loaded.
+Nothing of a run changes by it. A stiffer penalty tells what its overlaps cost. Elements of one order more tell the
+error of a mesh that no estimate is made for, as where bonds remember how they were loaded. Where one is made, the last
+level is taken on from where it ended to the finest mesh, whose numbers tell whether the error was told right.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from math import hypot
 from typing import Any
 
 from ngcell.build.additions import Additions
+from ngcell.build.refinement import step_numbers
 from ngcell.build.stages import not_estimated, one_order_more, singular_exponent, stages_of
 from ngcell.clock import Clock
 from ngcell.errors import CaseError
@@ -38,21 +40,6 @@ def check_has_penalty(case: AnyCase | BodyScene) -> None:
     """
     if isinstance(case.contact, Mortar):
         raise CaseError("contact.kind = 'mortar' has no penalty to verify; allowed: contact.kind = 'penalty'")
-
-
-def check_has_no_estimate(case: AnyCase | BodyScene) -> None:
-    """Check that no other mesh tells the error of this one.
-
-    Raises
-    ------
-    CaseError
-        If the errors of the case are estimated.
-    """
-    if not not_estimated(case):
-        raise CaseError(
-            "the errors of this case are estimated by finer meshes, which is all that verifying its mesh would tell; "
-            "allowed: a case with cohesion, estimate_error = false or accuracy = inf"
-        )
 
 
 def stiffer_result(
@@ -101,6 +88,48 @@ def stiffer_result(
 
 
 def finer_result(
+    case: AnyCase | BodyScene, additions: Additions, last: StepRecord, *, end: float | None = None
+) -> Table:
+    """Return what the last step of a case becomes on a finer mesh: on the finest one, taken on from where it ended,
+    beside the errors that were told (`finest_result`); by one order more, where none were (`order_more_result`)."""
+    if not_estimated(case):
+        return order_more_result(case, additions, last, end=end)
+    return finest_result(case, additions, end=end)
+
+
+def finest_result(case: AnyCase | BodyScene, additions: Additions, *, end: float | None = None) -> Table:
+    """Return what the last step of a case becomes on the finest mesh, to which it goes on from where it ended.
+
+    For the parameters, and what it raises, see `stiffer_result`; errors of the case are estimated.
+
+    Returns
+    -------
+    dict
+        Order and unknowns of the finest mesh and, for each number, the value as it was, on the finest mesh, the
+        difference over the former (``None`` where that is zero), and the error that was told, in its unit. Gaps are
+        those of walls that are held where the step ended. Levels of a tissue that do not depend on each other are left
+        out. Where no finer mesh finds an equilibrium, `failed` says so.
+    """
+    scene = _with(case) if _remembers(case, additions) else _at_last_level(_with(case))
+    simulation = additions.simulation(scene, Clock(end))
+    *_, accepted = simulation.follow(simulation.start)
+    reported = simulation.refinement.refine(accepted)
+    finest = simulation.refinement.taken_on(reported)
+    if finest is None:
+        return {"failed": "no finer mesh finds an equilibrium, or there is none"}
+    here, there = step_numbers(reported), step_numbers(finest)
+    there = there.over_walls_of(here)
+    table: Table = {}
+    for name in _OF_MESH:
+        pair = getattr(here, name), getattr(there, name)
+        table[name] = _compared(*pair, "finer") | {"error": getattr(reported.errors, name)}
+    forces = hypot(*here.plate_force), hypot(*there.plate_force)
+    table["plate_force"] = _compared(*forces, "finer") | {"error": reported.errors.plate_force}
+    mesh = simulation.refinement.table()[finest.level]
+    return {"order": mesh["order"], "unknowns": mesh["unknowns"], **table}
+
+
+def order_more_result(
     case: AnyCase | BodyScene, additions: Additions, last: StepRecord, *, end: float | None = None
 ) -> Table:
     """Return what a case becomes with elements of one order more, and the errors that follow.

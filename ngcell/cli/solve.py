@@ -61,7 +61,8 @@ def _finite(ctx: click.Context, parameter: click.Parameter, value: float | None)
 @click.option(
     "--verify-mesh",
     is_flag=True,
-    help="Repeat a run whose errors are not estimated with elements of one order more, and report its errors.",
+    help="Take the last level on to the finest mesh and report what changes; where errors are not estimated, repeat "
+    "the run with elements of one order more and report its errors.",
 )
 @click.option(
     "--members",

@@ -123,7 +123,8 @@ def _verified_lines(what: str, table: Mapping[str, Any], how: str, other: str) -
     width = max(map(len, rows), default=0)
     for name, row in rows.items():
         change = "" if row["change"] is None else f"{row['change']:+10.1e}"
-        yield f"  {_words(name):{width}}  {_shown(row['meant']):>10}  {_shown(row[other]):>10}  {change}"
+        told = "" if row["change"] is None or "error" not in row else f"  ±{row['error'] / abs(row['meant']):8.1e}"
+        yield f"  {_words(name):{width}}  {_shown(row['meant']):>10}  {_shown(row[other]):>10}  {change}{told}"
 
 
 def table_lines(table: Mapping[str, Any], indent: int = 0) -> Iterator[str]:

@@ -102,7 +102,7 @@ def error_remark(summary: Summary) -> str:
 
 def how_estimated(summary: Summary) -> str:
     """Return in words where the errors of the last step are from."""
-    order = (summary.get("finer_mesh") or {}).get("order")
+    order = (summary.get("finer_mesh") or {}).get("order") if summary.get("error_not_estimated") else None
     return "with estimated errors" if order is None else f"with errors that elements of order {order} tell"
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import hypot, inf
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from ngcell.clock import Clock
 from ngcell.errors import CaseError
 from ngcell.results.record import StepRecord
 from ngcell.scene import AnyCase, BodyScene
+from ngcell.scene.mesh import MeshChoice
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.step import StepFailed
 
@@ -121,7 +123,7 @@ def test_errors_that_a_finer_mesh_tells_stand_beside_the_numbers(tmp_path: Path)
     shown = list(summary_lines(recording, tmp_path))
     (how,) = (line for line in shown if line.startswith("how sure"))
     assert how.endswith("with errors that elements of order 2 tell")
-    (energy,) = (line for line in shown if line.startswith("  energy  ") and "±" in line)
+    (energy,) = (line for line in shown if line.startswith("  energy  ") and "%" in line)
     assert f"± {100 * table['energy']['error'] / table['energy']['meant']:.0f} %" in energy
     assert any(line.startswith("mesh         the last level with elements of order 2") for line in shown)
 
@@ -142,10 +144,31 @@ def test_hollow_cells_are_solved_again_at_the_last_level_alone(tmp_path: Path, m
     assert 0 < summary["finer_mesh"]["energy"]["error"] < 0.5 * summary["finer_mesh"]["energy"]["meant"]
 
 
-def test_where_errors_are_estimated_there_is_nothing_to_verify_of_the_mesh(tmp_path: Path) -> None:
-    case = sheared_pair("penalty").model_copy(update={"accuracy": 0.1})
-    with pytest.raises(CaseError, match="errors of this case are estimated by finer meshes"):
-        record(case, tmp_path / "out", verify_mesh=True)
+def test_where_errors_are_estimated_the_last_level_goes_on_to_the_finest_mesh(tmp_path: Path) -> None:
+    """What that changes is within what was told, and stands beside it; the run stays as it is."""
+    mesh = MeshChoice(grading=1)
+    case = sheared_pair("penalty").model_copy(update={"accuracy": 0.1, "mesh": mesh})
+    plain, _ = last(case, tmp_path / "plain")
+    recording = record(case, tmp_path / "out", pictures=False, verify_mesh=True)
+    *_, step = recording
+    assert step == replace(plain, seconds=step.seconds)
+    table = recording.summary["finer_mesh"]
+    assert table["order"] == 6 and table["unknowns"] > recording.summary["unknowns"]
+    for name in ("energy", "mean_gap", "plate_force"):
+        found, told = abs(table[name]["finer"] - table[name]["meant"]), table[name]["error"]
+        assert 0 < found < 1.5 * told, name
+    assert table["energy"]["meant"] == step.energy and table["energy"]["error"] == step.energy_error
+    shown = list(summary_lines(recording, tmp_path))
+    (how,) = (line for line in shown if line.startswith("how sure"))
+    assert how.endswith("with estimated errors")
+    (energy,) = (line for line in shown if line.startswith("  energy   ") and "±" in line and "%" not in line)
+    assert energy.endswith(f"± {table['energy']['error'] / table['energy']['meant']:.1e}")
+
+
+def test_on_the_finest_mesh_there_is_no_finer_one(tmp_path: Path) -> None:
+    case = sheared_pair("penalty").model_copy(update={"accuracy": 1e-9, "mesh": MeshChoice(grading=0)})
+    _, summary = last(case, tmp_path / "out", verify_mesh=True)
+    assert summary["finer_mesh"] == {"failed": "no finer mesh finds an equilibrium, or there is none"}
 
 
 def test_a_finer_mesh_without_an_equilibrium_costs_the_run_nothing(
