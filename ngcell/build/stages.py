@@ -15,6 +15,7 @@ from math import isinf
 
 import ngsolve
 import numpy as np
+from numpy.typing import NDArray
 
 from ngcell.geometry.rings import GRADE
 from ngcell.geometry.tissues.protocol import TissueGeometry
@@ -163,11 +164,12 @@ def singular_exponent(space: DisplacementSpace) -> float:
     """Return the smallest exponent with which the displacement grows from a corner of a body, or the end of a contact.
 
     At a re-entrant corner of angle w, free on both sides, it is the root of ``sin(x w) + x sin(w) = 0`` (Williams
-    1952). In three dimensions a right angle is taken.
+    1952); what fills a lumen is much softer than the wall, whose corners there count as free. In three dimensions a
+    right angle is taken.
     """
     if space.dimension == 3:
         return _free_exponent(1.5 * np.pi)
-    angles = _angles_at_outlines(space)
+    angles = _angles_of_bodies(space)
     if angles.max(initial=0.0) > _REENTRANT:
         return _free_exponent(float(angles.max()))
     return _HELD_CORNER if angles.min(initial=np.pi) < _CORNER else _SMOOTH
@@ -178,9 +180,10 @@ def _free_exponent(angle: float) -> float:
     return float(exponent[np.argmax(np.sin(exponent * angle) + exponent * np.sin(angle) <= 0)])
 
 
-def _angles_at_outlines(space: DisplacementSpace) -> Array:
-    """Return the angle between the tangents of the body at each vertex of outlines in the plane [radian]."""
-    mesh = space.bodies.mesh
+def _angles_of_bodies(space: DisplacementSpace) -> Array:
+    """Return the angle between the tangents of the body at each vertex of outlines in the plane, and that of the wall
+    where it meets what fills its lumen [radian]."""
+    mesh, is_filling = space.bodies.mesh, space.bodies.is_filling
     kind = element_type(space)
     corners = _CORNERS[kind]
     jacobian = np.asarray(ngsolve.specialcf.JacobianMatrix(2)(map_points(space, kind, corners)))
@@ -190,9 +193,18 @@ def _angles_at_outlines(space: DisplacementSpace) -> Array:
     )
     turn = np.arctan2(ahead[..., 0] * behind[..., 1] - ahead[..., 1] * behind[..., 0], (ahead * behind).sum(2))
     vertices = np.array([[vertex.nr for vertex in element.vertices] for element in mesh.Elements()])
-    angles = np.zeros(mesh.nv)
-    np.add.at(angles, vertices, np.abs(turn))
     on_outline = np.zeros(mesh.nv, dtype=bool)
     for edge in mesh.Boundaries(".*").Elements():
         on_outline[[vertex.nr for vertex in edge.vertices]] = True
-    return angles[on_outline]
+    whole = _angles_at(vertices, turn, mesh.nv)[on_outline]
+    if is_filling is None or not is_filling.any():
+        return whole
+    is_filled = np.zeros(mesh.nv, dtype=bool)
+    is_filled[vertices[is_filling]] = True
+    walls = _angles_at(vertices[~is_filling], turn[~is_filling], mesh.nv)
+    return np.concatenate([whole, walls[is_filled & (walls > 0)]])
+
+
+def _angles_at(vertices: NDArray[np.int64], turn: Array, count: int) -> Array:
+    """Return the angle of elements at each vertex [radian], from those at their corners."""
+    return np.asarray(np.bincount(vertices.ravel(), np.abs(turn).ravel(), count), dtype=float)
