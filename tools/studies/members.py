@@ -28,6 +28,7 @@ from tools import tables
 from tools.commands import described
 from tools.places import RESULTS, ROOT
 from tools.runs import sources
+from tools.studies import accuracy
 
 TABLE, REPORT = RESULTS / "members.csv", RESULTS / "members.md"
 FOLDERS = ROOT / "out" / "members"
@@ -35,6 +36,8 @@ FOLDERS = ROOT / "out" / "members"
 SCENES: dict[str, tuple[str, tuple[str, ...], int]] = {
     "3x3": ("shear-empty-3x3", (), 10),
     "5x7": ("shear-empty", ("load.levels=4",), 6),
+    "3x3 under 0.01": (*accuracy.SCENES["3x3 under 0.01"], 10),
+    "3x3 filled": ("shear-filled", (*accuracy.SCENES["3x3 filled"][1], "accuracy=0.01"), 10),
 }
 QUICK = ("tissue.rows=2", "tissue.cols=2", "load.displacement=[0.3, 0.0]", "load.levels=1", "accuracy=0.1")
 SHOWN = ("plate_force", "energy", "mean_gap", "largest_gap", "parted_pairs")
