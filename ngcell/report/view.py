@@ -146,11 +146,14 @@ def verdict_of(summary: Mapping[str, Any]) -> Verdict:
 
 
 def told_numbers(summary: Mapping[str, Any]) -> list[Told]:
-    """Return the numbers of the last level, each with its error in words."""
-    found = []
+    """Return the numbers of the last level, each with its error in words, and by how much a finer mesh moves it."""
+    found, finer = [], {} if summary.get("error_not_estimated") else summary.get("finer_mesh") or {}
     for name, (value, error) in last_numbers(summary).items():
         _, _, share = with_error(value, error).partition(" ± ")
-        found.append(Told(name.replace("_", " "), number(value), f"± {share}" if share else "error not known"))
+        change = (finer.get(name) or {}).get("change")
+        moves = "" if change is None else f", {100 * change:+.2g} % on the finest mesh"
+        told = f"± {share}" if share else "error not known"
+        found.append(Told(name.replace("_", " "), number(value), f"{told}{moves}"))
     return found
 
 

@@ -16,6 +16,7 @@ from ngcell.build.simulation import Simulation
 from ngcell.cli.summary import summary_lines
 from ngcell.clock import Clock
 from ngcell.errors import CaseError
+from ngcell.report.view import told_numbers
 from ngcell.results.record import StepRecord
 from ngcell.scene import AnyCase, BodyScene
 from ngcell.scene.mesh import MeshChoice
@@ -163,6 +164,8 @@ def test_where_errors_are_estimated_the_last_level_goes_on_to_the_finest_mesh(tm
     assert how.endswith("with estimated errors")
     (energy,) = (line for line in shown if line.startswith("  energy   ") and "±" in line and "%" not in line)
     assert energy.endswith(f"± {table['energy']['error'] / table['energy']['meant']:.1e}")
+    on_page = {told.title: told.error for told in told_numbers(recording.summary)}
+    assert on_page["energy"].endswith(f", {100 * table['energy']['change']:+.2g} % on the finest mesh")
 
 
 def test_on_the_finest_mesh_there_is_no_finer_one(tmp_path: Path) -> None:
