@@ -79,7 +79,8 @@ def report(rows: list[dict[str, str]]) -> str:
 def _line(row: dict[str, str]) -> list[str]:
     mean, deviation, error = (float(row[name]) for name in ("mean", "deviation", "error"))
     size = abs(mean) or 1.0
-    scene, counted = f"{row['scene']} {row['settings']}".strip(), f"{row['members']} of {row['run']}"
+    settings = "" if row["scene"] in accuracy.SCENES else row["settings"]
+    scene, counted = f"{row['scene']} {settings}".strip(), f"{row['members']} of {row['run']}"
     reach = f"{float(row['smallest']):.4g} to {float(row['largest']):.4g}"
     spread = f"{100 * deviation / size:.2g} %"
     place = [scene, row["share"], f"{float(row['displacement']):.4g}", counted, row["number"].replace("_", " ")]
