@@ -97,9 +97,12 @@ class Refinement(Generic[Scene]):
         self.on_the_way = None  # it is accepted: what stops on the way to the next step tells nothing of it
         return found
 
-    def taken_on(self, reported: Refined[Scene]) -> Refined[Scene] | None:
-        """Return a step on the finest mesh that finds an equilibrium beside it; None where no finer one does."""
-        last = reported
+    def taken_on(self, reported: Refined[Scene], stages: Sequence[Stage]) -> Refined[Scene] | None:
+        """Return a step on the finest of some meshes that finds an equilibrium beside it; None where no finer one does.
+
+        They begin with those that there are.
+        """
+        last, self._stages = reported, list(stages)
         try:
             while (finer := self._next(last)) is not None:
                 last = finer

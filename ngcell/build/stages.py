@@ -88,8 +88,8 @@ class Stage:
         return Refining(float(in_order * GRADE ** (2 * exponent * grades)), grades > 0, elsewhere)
 
 
-def stages_of(scene: AnyCase | BodyScene) -> tuple[Stage, ...]:
-    """Return the meshes of a scene, the coarsest first."""
+def stages_of(scene: AnyCase | BodyScene, *, finest: bool = False) -> tuple[Stage, ...]:
+    """Return the meshes of a scene, the coarsest first, with the finest of all if that is asked for."""
     mesh = scene if isinstance(scene, BodyScene) else scene.mesh
     given, grading, is_tissue = mesh.order, getattr(mesh, "grading", None), isinstance(scene, Case)
     if not_estimated(scene):
@@ -102,7 +102,7 @@ def stages_of(scene: AnyCase | BodyScene) -> tuple[Stage, ...]:
         lowest = _FILLED if getattr(getattr(scene, "tissue", None), "height", None) is None else 2
         chosen = [(order, 1) for order in range(lowest, HIGHEST_ORDER + 1)]
     elif isinstance(scene, Case) and grading is None:
-        chosen = list(_TISSUE if scene.accuracy < _FINE else _TISSUE[:-1])
+        chosen = list(_TISSUE if finest or scene.accuracy < _FINE else _TISSUE[:-1])
         if _may_slide(scene):
             halved = scene.mesh.model_copy(update={"halvings": _HALVED})
             scene = scene.model_copy(update={"mesh": halved})

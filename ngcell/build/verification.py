@@ -114,7 +114,7 @@ def finest_result(case: AnyCase | BodyScene, additions: Additions, *, end: float
     simulation = additions.simulation(scene, Clock(end))
     *_, accepted = simulation.follow(simulation.start)
     reported = simulation.refinement.refine(accepted)
-    finest = simulation.refinement.taken_on(reported)
+    finest = simulation.refinement.taken_on(reported, stages_of(scene, finest=True))
     if finest is None:
         return {"failed": "no finer mesh finds an equilibrium, or there is none"}
     here, there = step_numbers(reported), step_numbers(finest)
