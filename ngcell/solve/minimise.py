@@ -89,13 +89,16 @@ class Minimiser:
         tolerance: float = 0.0,
         most: int | None = None,
         lowest: float = -np.inf,
+        *,
+        is_settled: bool = False,
     ) -> Minimum:
         """Descend from `start` until the Newton decrement is below `tolerance` [energy], or lost in round-off.
 
         It ends after `most` iterations, by default as many as the options say, where they lead nowhere, and once the
-        energy is below `lowest`.
+        energy is below `lowest`. Models of walls that have settled are minimised as far as the one before was right:
+        before, most of that would be in vain, and chooses between branches.
         """
-        state, damping, decrement = self._at(start), self._damper.none, float("inf")
+        state, damping, decrement, misfit = self._at(start), self._damper.none, float("inf"), float("inf")
         progress = Progress(self.options.idle)
         if not np.isfinite(state.energy):
             return Minimum(state, Ending.NO_ENERGY, decrement, proximal)
@@ -104,10 +107,11 @@ class Minimiser:
             self.effort.iterations += 1
             self.budget.charge(self.effort)
             total, refusals = self.total(state, proximal), self.effort.refusals
-            advance = self._descend(state, proximal, damping, tolerance)
+            advance = self._descend(state, proximal, damping, tolerance, misfit)
             if advance is None:
                 return Minimum(state, self._ending_of_stall(state, proximal), decrement, proximal)
             state, damping, decrement = advance.state, advance.damping, advance.decrement
+            misfit = advance.misfit if is_settled else misfit
             if state.energy < lowest:
                 return Minimum(state, Ending.SLID, decrement, proximal)
             if not advance.was_damped and (decrement <= tolerance or self._is_lost(state, decrement)):
@@ -227,7 +231,9 @@ class Minimiser:
         with self.clock.phase("pairs and energies"):
             return self.problem.at(displacement)
 
-    def _descend(self, state: State, proximal: ProximalTerm, damping: Array, tolerance: float) -> Advance | None:
+    def _descend(
+        self, state: State, proximal: ProximalTerm, damping: Array, tolerance: float, misfit: float
+    ) -> Advance | None:
         """Return the next iterate, or None if no damping makes a step that lowers the energy.
 
         A state whose own decrement is within the tolerance is the last but one, even where a kink spoils its step.
@@ -240,7 +246,7 @@ class Minimiser:
         is_last, is_whole = False, undamped.is_bent and self.problem.has_multipliers
         for _ in range(self.options.most_refusals):
             model = self.assembly.damped(undamped, damping)
-            found, lacking = self._newton.step(model, matrix), self._damper.none
+            found, lacking = self._newton.step(model, matrix, misfit), self._damper.none
             step, change, slope = found.step, found.change, found.slope
             is_convex, is_led = change <= 0 and slope <= 0, bool(damping.any()) or found.not_convex is not None
             is_last = is_last or (is_convex and not is_led and found.decrement <= tolerance)
@@ -265,7 +271,8 @@ class Minimiser:
                     if not is_led and gain > self.options.straight * -change:
                         trial, gain = trials.farther(step, (trial, gain), self.longest_step)
                     relaxed = self._damper.relaxed(damping, step, slope, lacking, gain / -change)
-                    return Advance(trial, relaxed, found.decrement, is_led and not is_last)
+                    off = float("inf") if is_led or found.share < 1 else abs(gain / -change - 1)
+                    return Advance(trial, relaxed, found.decrement, is_led and not is_last, off)
             if not is_convex and is_whole:
                 undamped, is_whole = self.assembly.convex(undamped, state), False
             elif is_convex or found.not_convex is None:

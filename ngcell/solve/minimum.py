@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,10 +63,11 @@ class Minimum:
 
 @dataclass(frozen=True, eq=False)
 class Advance:
-    """The next iterate, the damping of each body to go on with, the decrement, and whether damping led here, or a model
-    that is not convex."""
+    """The next iterate, the damping of each body to go on with, the decrement, whether damping led here, or a model
+    that is not convex, and by which share of its decrease the model was off."""
 
     state: State
     damping: NDArray[np.float64]
     decrement: float
     was_damped: bool
+    misfit: float = inf

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,10 +90,10 @@ class Newton:
         gain = min(inner.worthwhile_gain, self.options.worthwhile / len(self.damper.none))
         return replace(inner, worthwhile_gain=gain)
 
-    def step(self, model: OneSidedModel, matrix: Matrix) -> NewtonStep:
-        """Return the step of a model."""
+    def step(self, model: OneSidedModel, matrix: Matrix, misfit: float = inf) -> NewtonStep:
+        """Return the step of a model; the one before was off by a share of its decrease, where that is known."""
         with self.clock.phase("factorisation"):
-            found = minimise_one_sided(model, matrix, self._inner)
+            found = minimise_one_sided(model, matrix, self._inner.within(misfit))
         self.effort.factorisations += found.factorisations
         step, change, not_convex = found.step, found.change, None
         if found.uphill is not None:

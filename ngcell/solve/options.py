@@ -7,7 +7,7 @@ proximal term multiples of the continuation's scale (`ngcell.solve.continuation`
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from ngcell.solve.continuation_options import ContinuationOptions
 
@@ -43,6 +43,8 @@ class InnerOptions:
         Most inner iterations, as the outer iteration judges their step; and factorisations to foreseen multipliers.
     worthwhile_gain, round_off : float
         Shares of the decrease so far: the iteration ends where it gains less, and has not gone up where it loses less.
+    least_gain, most_settled : float, int
+        The least share that a settled model goes on for, and its most rounds.
     lost : float
         Factor by which corrections of an inverse may enlarge round-off.
     most_updates : int
@@ -54,9 +56,21 @@ class InnerOptions:
     most_rounds: int = 8
     worthwhile_gain: float = 0.3
     round_off: float = 1e-9
+    least_gain: float = 0.01
+    most_settled: int = 40
     lost: float = 1e6
     most_updates: int = 100
     coarse: CoarseOptions = CoarseOptions()
+
+    def within(self, misfit: float) -> InnerOptions:
+        """Return the numbers for a model that is as good as the one before, which was off by a share of its decrease.
+
+        Its minimum is worth no more than that share, and no less (Eisenstat and Walker, SIAM J. Sci. Comput. 17, 1996,
+        doi:10.1137/0917003).
+        """
+        if not misfit < self.worthwhile_gain:
+            return self
+        return replace(self, worthwhile_gain=max(misfit, self.least_gain), most_rounds=self.most_settled)
 
 
 @dataclass(frozen=True)

@@ -79,7 +79,8 @@ def at_rest(
     """
     proximal = ProximalTerm(scale * weight, minimum.state.displacement)
     enough = share * max(minimiser.problem.magnitude(minimum.state), _nothing(minimiser, options))
-    found, _ = minimised(minimiser, proximal.centre, proximal, 0.0, weight, enough, lowest=lowest)
+    settled = not options.only_leads  # what only leads may still be on its way between branches
+    found, _ = minimised(minimiser, proximal.centre, proximal, 0.0, weight, enough, lowest=lowest, is_settled=settled)
     return replace(found, to_fall=minimum.to_fall)
 
 
@@ -92,6 +93,8 @@ def minimised(
     enough: float = 0.0,
     most: int | None = None,
     lowest: float = -np.inf,
+    *,
+    is_settled: bool = False,
 ) -> tuple[Minimum, Effort]:
     """Return a minimum under a proximal term, and what it took.
 
@@ -100,7 +103,7 @@ def minimised(
     """
     before = minimiser.effort.copy()
     tolerance = max(share * minimiser.proximal_energy(start, proximal), enough)
-    minimum = minimiser.minimise(start, proximal, tolerance, most, lowest)
+    minimum = minimiser.minimise(start, proximal, tolerance, most, lowest, is_settled=is_settled)
     spent = minimiser.effort - before
     _log.info(
         "proximal weight %.0e: %s, %d iterations, %d factorisations, %d refused, energy %.8e, decrement %.0e",

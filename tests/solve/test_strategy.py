@@ -201,6 +201,8 @@ class FakeMinimiser:
         tolerance: float = 0.0,
         most: int | None = None,
         lowest: float = -np.inf,
+        *,
+        is_settled: bool = False,
     ) -> Minimum:
         goal = float(start[0])
         self.asked.append(goal)
