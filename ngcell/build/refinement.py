@@ -92,8 +92,7 @@ class Refinement(Generic[Scene]):
         try:
             found = self._refined_and_stable(accepted)
         finally:
-            for level in self._levels:
-                level.release()
+            self._release()
         self.on_the_way = None  # it is accepted: what stops on the way to the next step tells nothing of it
         return found
 
@@ -108,8 +107,12 @@ class Refinement(Generic[Scene]):
                 last = finer
             return None if last is reported else self._levels[last.level].finished(last) or last
         finally:
-            for level in self._levels:
-                level.release()
+            self._release()
+
+    def _release(self) -> None:
+        """Give the memory of all matrices back."""
+        for level in self._levels:
+            level.release()
 
     def _refined_and_stable(self, accepted: Accepted) -> Refined[Scene]:
         found = self._refined(accepted)

@@ -65,12 +65,13 @@ class InnerOptions:
     def within(self, misfit: float) -> InnerOptions:
         """Return the numbers for a model that is as good as the one before, which was off by a share of its decrease.
 
-        Its minimum is worth no more than that share, and no less (Eisenstat and Walker, SIAM J. Sci. Comput. 17, 1996,
-        doi:10.1137/0917003).
+        Rounds that gain less than that share of the decrease are not worth while, those that gain more are (Eisenstat
+        and Walker, SIAM J. Sci. Comput. 17, 1996, doi:10.1137/0917003). Never fewer are made than of any model.
         """
         if not misfit < self.worthwhile_gain:
             return self
-        return replace(self, worthwhile_gain=max(misfit, self.least_gain), most_rounds=self.most_settled)
+        gain = min(max(misfit, self.least_gain), self.worthwhile_gain)
+        return replace(self, worthwhile_gain=gain, most_rounds=self.most_settled)
 
 
 @dataclass(frozen=True)

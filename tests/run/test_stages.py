@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from math import inf
 
+import numpy as np
 import pytest
 from netgen import occ
+from scipy.optimize import brentq
 
 from ngcell import Body, BodyScene, Case, MooneyRivlin, read_case
 from ngcell.build.simulation import Simulation
@@ -41,6 +43,38 @@ def test_what_fills_a_lumen_does_not_hide_the_corners_of_its_wall():
     """It is much softer: taken for a corner that is held, errors of filled cells were told a fifth too small."""
     one = read_case("shear-filled", ["tissue.rows=1", "tissue.cols=1"])
     assert singular_exponent(Simulation(one).space) == pytest.approx(0.6157, abs=1e-4)
+
+
+def wedge_exponent(filling: tuple[float, float]) -> float:
+    """The smallest exponent of a wall of 240 degrees with a filling (shear and bulk modulus) in plane strain.
+
+    Both have Airy's functions r^(x + 1) (A cos((x + 1) t) + B cos((x - 1) t)) about the bisector (Williams 1952);
+    displacements and tractions are the same where they meet.
+    """
+    wall = 2.0, 100.0
+
+    def fields(x: float, angle: float, moduli: tuple[float, float]) -> np.ndarray:
+        shear, bulk = moduli
+        kolosov = 3 - 2 * (3 * bulk - 2 * shear) / (3 * bulk + shear)
+        one, two = (x + 1) * angle, (x - 1) * angle
+        first = [-(x + 1) * np.cos(one), (x + 1) * np.sin(one)]
+        second = [(kolosov - x) * np.cos(two), (kolosov + x) * np.sin(two)]
+        tractions = [x * (x + 1) * np.cos([one, two]), x * np.array([(x + 1) * np.sin(one), (x - 1) * np.sin(two)])]
+        return np.vstack([np.column_stack([first, second]) / (2 * shear), tractions])
+
+    def determinant(x: float) -> float:
+        both = np.hstack([fields(x, np.radians(120), wall), -fields(x, np.radians(-60), filling)])
+        both[:2] *= 2 * min(wall[0], filling[0])
+        return float(np.linalg.det(both / np.abs(both).max(axis=0)))
+
+    return float(brentq(determinant, 0.5, 0.75))
+
+
+def test_the_corner_of_a_filled_wall_is_nearly_as_singular_as_a_free_one():
+    """What fills the shipped cells has a two-hundredth of the shear modulus of their walls."""
+    assert wedge_exponent((1e-9, 1e-9)) == pytest.approx(0.6157, abs=1e-4)
+    assert wedge_exponent((0.01, 10.0)) == pytest.approx(0.621, abs=1e-3)
+    assert wedge_exponent((0.1, 100.0)) == pytest.approx(0.663, abs=1e-3)
 
 
 def test_without_corners_the_end_of_a_contact_rules():

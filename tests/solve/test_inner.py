@@ -202,3 +202,13 @@ def test_a_penalty_term_that_alone_held_a_body_is_not_opened_by_a_correction(mon
     quadratics.minimum(zero, model.gap)
     assert quadratics.minimum(zero[:0], model.gap)[0] == pytest.approx(0.9, rel=1e-14)
     assert quadratics.factorisations == 2
+
+
+@pytest.mark.parametrize(("misfit", "gain"), [(np.inf, 0.3), (np.nan, 0.3), (0.5, 0.3), (0.1, 0.1), (1e-4, 0.01)])
+def test_rounds_of_a_settled_model_are_worth_what_the_one_before_was_off_by(misfit: float, gain: float):
+    assert InnerOptions().within(misfit).worthwhile_gain == gain
+
+
+def test_among_many_bodies_a_settled_model_is_minimised_no_less_far_than_any():
+    """Their share of what is worth while may be below the least of settled models."""
+    assert InnerOptions(worthwhile_gain=0.002).within(1e-4).worthwhile_gain == 0.002
