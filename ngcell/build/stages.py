@@ -42,7 +42,7 @@ _FILLED = 3
 #: one side (Williams, J. Appl. Mech. 19, 1952); angles in radians from which on an outline is re-entrant, and up to
 #: which it has a corner.
 _SMOOTH, _HELD_CORNER, _REENTRANT, _CORNER = 1.5, 0.71, np.radians(200), np.radians(150)
-#: Exponent of the strongest singularity that bodies have, that of cracks and of the edges of punches.
+#: Exponent of the strongest singularity that bodies with corners have, that of cracks and of the edges of punches.
 _STRONGEST = 0.5
 #: Corners of the reference elements, in the order of their vertices.
 _CORNERS = {
@@ -83,7 +83,7 @@ class Stage:
         their order (Babuska and Suri, SIAM Rev. 36, 1994, doi:10.1137/1036141).
         """
         in_order = (before.order / self.order) ** (4 * exponent)
-        elsewhere = (before.order / self.order) ** (4 * _STRONGEST)
+        elsewhere = (before.order / self.order) ** (4 * (_STRONGEST if exponent < 1 else exponent))
         grades = self.grading - before.grading
         return Refining(float(in_order * GRADE ** (2 * exponent * grades)), grades > 0, elsewhere)
 

@@ -110,8 +110,9 @@ class EnergyForm:
 
     def lower_tangent(self, displacement: Array) -> Array:
         """Return the second derivative on `pattern`."""
+        matrix = self._assembled(displacement)
         _ = self.pattern
-        values: Array = np.asarray(self._assembled(displacement).CSR()[0])[self._lower]
+        values: Array = np.asarray(matrix.CSR()[0])[self._lower]
         return values
 
     def _assembled(self, displacement: Array) -> ngsolve.la.BaseMatrix:

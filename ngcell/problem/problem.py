@@ -132,8 +132,8 @@ class Problem:
         """Return the second-order model about a state."""
         at = state.at
         gradient = self.unknowns.gather(total(term.gradient(at) for term in self._sum))
-        _ = self.pattern
         tangents = [tangent for term in self._sum if len(tangent := term.tangent(at))]
+        _ = self.pattern  # with the factors of entries that stand on it several times
         stiffness = tangents[0] if len(tangents) == 1 else np.concatenate([np.zeros(0), *tangents])
         if self._factors is not None:
             stiffness = stiffness * self._factors

@@ -81,12 +81,16 @@ def narrowed(index: Index) -> NDArray[Any]:
 
 
 def _both_triangles(lower: sparse.csr_array) -> sparse.csr_array:
-    """Return the whole pattern; its data are positions, too."""
-    counted = sparse.csr_array((lower.data + 1, lower.indices, lower.indptr), shape=lower.shape)
-    whole = (counted + sparse.triu(counted.T, 1)).tocsr()
-    whole.sort_indices()
-    whole.data -= 1
-    return whole
+    """Return the whole pattern; its data are positions, too. In each row the upper triangle follows the lower one."""
+    size, upper = lower.shape[0], lower.T.tocsr()
+    above = upper.indices != np.repeat(np.arange(size, dtype=np.int32), np.diff(upper.indptr))
+    counts = np.diff(lower.indptr), np.diff(np.concatenate([[0], np.cumsum(above)])[upper.indptr])
+    is_above = np.repeat(np.tile([False, True], size), np.column_stack(counts).ravel())
+    indices, data = np.empty(len(is_above), dtype=np.int32), np.empty(len(is_above), dtype=np.int32)
+    indices[~is_above], data[~is_above] = lower.indices, lower.data
+    indices[is_above], data[is_above] = upper.indices[above], upper.data[above]
+    pointer = np.concatenate([[0], np.cumsum(counts[0] + counts[1])])
+    return sparse.csr_array((data, indices, pointer), shape=lower.shape)
 
 
 def _same_neighbours(pattern: sparse.csr_array) -> tuple[Index, Index]:

@@ -214,8 +214,8 @@ def rested(minimiser: Minimiser, minimum: Minimum, path: Continuation, lowest: f
         if minimum.proximal.weight < firm:
             minimum = at_rest(minimiser, minimum, path.scale, options.resting, options, options.refined, lowest)
         else:
-            place, name = minimum.state.displacement, minimum.proximal.weight / path.scale
-            minimum, _ = minimised(minimiser, place, minimum.proximal, 0.0, name, enough, lowest=lowest)
+            place, held, name = minimum.state.displacement, minimum.proximal, minimum.proximal.weight / path.scale
+            minimum, _ = minimised(minimiser, place, held, 0.0, name, enough, lowest=lowest, is_settled=True)
         if minimum.ending is Ending.NO_DESCENT and last.decrement <= nothing:
             minimum = last
     return replace(minimum, to_fall=to_fall)

@@ -41,7 +41,7 @@ class SymmetricMatrix:
 
     def __init__(self, size: int, free: NDArray[np.bool_], rows: Index, columns: Index) -> None:
         self.size = size
-        keys = np.sort(rows.astype(np.int64) * size + columns)
+        keys = np.sort(rows.astype(np.int64) * size + columns, kind="stable")  # it merges the few runs of patterns
         self._keys = keys[np.diff(keys, prepend=-1) > 0]
         row, column = self.entries
         pointer = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=size))])

@@ -9,7 +9,7 @@ without the part of the curvature of gaps that bends it downwards: walls that sl
 iterations. What is convex though the energy is not makes steps that are too short, and near a saddle they grow by a
 fourth each; where the energy falls nearly straight on along a step, longer ones are tried.
 
-Near the minimum differences of energies drown in round-off. There the model alone is trusted.
+Near the minimum differences of energies drown in round-off: there the model alone is trusted.
 """
 
 from __future__ import annotations
@@ -38,8 +38,6 @@ from ngcell.solve.stall import Progress
 from ngcell.solve.trials import Trials
 
 Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-
 
 @dataclass
 class Minimiser:
@@ -96,7 +94,8 @@ class Minimiser:
 
         It ends after `most` iterations, by default as many as the options say, where they lead nowhere, and once the
         energy is below `lowest`. Models of walls that have settled are minimised as far as the one before was right:
-        before, most of that would be in vain, and chooses between branches.
+        before, most of that would be in vain, and chooses between branches. There the decrement of the next step is
+        foreseen, too.
         """
         state, damping, decrement, misfit = self._at(start), self._damper.none, float("inf"), float("inf")
         progress = Progress(self.options.idle)
@@ -114,8 +113,9 @@ class Minimiser:
             misfit = advance.misfit if is_settled else misfit
             if state.energy < lowest:
                 return Minimum(state, Ending.SLID, decrement, proximal)
-            if not advance.was_damped and (decrement <= tolerance or self._is_lost(state, decrement)):
-                return Minimum(state, Ending.CONVERGED, decrement, proximal)
+            left = self._foreseen(advance, proximal) if is_settled and decrement > tolerance else decrement
+            if not advance.was_damped and (left <= tolerance or self._is_lost(state, left)):
+                return Minimum(state, Ending.CONVERGED, left, proximal)
             if self.problem.note_kinks(state):
                 state = self._at(state.displacement)
             progress.note(decrement, total, self.effort.refusals > refusals)
@@ -130,10 +130,7 @@ class Minimiser:
 
         Walls that touch stay closed; `weight` [stress / length**2] holds what else would float.
         """
-        state = self._at(displacement)
-        jump = np.where(self.problem.free, 0.0, imposed - displacement)
-        line = self.problem.linearise(state)
-        model, matrix = self.assembly.model(state, line, ProximalTerm(weight, displacement))
+        jump, model, matrix = self._jump(displacement, imposed, weight)
         touching = np.flatnonzero(model.gap <= self.options.touching * self.longest_step)
         jacobian, penalty = model.jacobian[touching], model.penalty[touching]
         matrix.factorise(model.stiffness, jacobian, penalty)
@@ -147,16 +144,19 @@ class Minimiser:
         Where the displacement is no equilibrium, as where bodies overlap at rest, it stays so: what is out of balance
         does not count.
         """
-        state = self._at(displacement)
-        jump = np.where(self.problem.free, 0.0, imposed - displacement)
-        line = self.problem.linearise(state)
-        model, matrix = self.assembly.model(state, line, ProximalTerm(weight, displacement))
+        jump, model, matrix = self._jump(displacement, imposed, weight)
         driven = matrix.multiply(model.stiffness, jump) - model.pulled(model.penalty * np.minimum(model.gap, 0))
-        driven = np.where(self.problem.free, driven, 0.0)
-        moved = replace(model, gradient=driven, gap=model.gap + model.jacobian @ jump)
+        gradient = np.where(self.problem.free, driven, 0.0)
+        moved = replace(model, gradient=gradient, gap=model.gap + model.jacobian @ jump)
         found = minimise_one_sided(moved, matrix, self.options.foreseeing)
         self.effort.factorisations += found.factorisations
         return displacement + jump + found.step
+
+    def _jump(self, displacement: Array, imposed: Array, weight: float) -> tuple[Array, OneSidedModel, Matrix]:
+        """Return what prescribed values change by, and the model about a displacement."""
+        state, held = self._at(displacement), ProximalTerm(weight, displacement)
+        model, matrix = self.assembly.model(state, self.problem.linearise(state), held)
+        return np.where(self.problem.free, 0.0, imposed - displacement), model, matrix
 
     def stiffened(self, minimum: Minimum, weight: float) -> Callable[[Array], Array]:
         """Return what solves with the tangent at a minimum plus a multiple of the mass; closed walls stay so."""
@@ -170,11 +170,7 @@ class Minimiser:
 
     def rounded(self, place: Array) -> Array:
         """Return a place without its last digits."""
-        return without_last_digits(place, self.problem.free, self._digit)
-
-    @property
-    def _digit(self) -> float:
-        return self.options.last_digit * self.longest_step
+        return without_last_digits(place, self.problem.free, self.options.last_digit * self.longest_step)
 
     def make_matrix(self, displacement: Array) -> None:
         """Make the matrix of this problem, if there is none yet."""
@@ -206,9 +202,15 @@ class Minimiser:
         """Return the energy with that of a proximal term."""
         return state.energy + self.proximal_energy(state.displacement, proximal)
 
-    @property
-    def _noise(self) -> float:
-        return self.options.noise * self.energy_scale
+    def _foreseen(self, advance: Advance, proximal: ProximalTerm) -> float:
+        """Return the decrement of the next step: near a minimum, decrements are as the squares of forces."""
+        left = float(np.linalg.norm(self._force(advance.state, proximal))) / advance.force
+        return self.options.sure * advance.decrement * left**2
+
+    def _force(self, state: State, proximal: ProximalTerm) -> Array:
+        """Return the gradient of the energy with that of a proximal term, 0 where values are prescribed."""
+        force = self.problem.gradient(state) + proximal.gradient(state.displacement, self.problem.metric)
+        return np.where(self.problem.free, force, 0.0)
 
     def _is_lost(self, state: State, decrement: float) -> bool:
         """Return whether a decrement is round-off of the energy."""
@@ -217,7 +219,8 @@ class Minimiser:
 
     def _unseen(self, state: State) -> float:
         """Return the decrement that is lost where iterations lead nowhere [energy]."""
-        return max(self.options.stalled * abs(state.energy), self.options.unseen * self._noise)
+        numbers = self.options
+        return max(numbers.stalled * abs(state.energy), numbers.unseen * numbers.noise * self.energy_scale)
 
     def _ending_of_stall(self, state: State, proximal: ProximalTerm) -> Ending:
         """Return what iterations that lead nowhere mean: damping makes decrements small, whatever the forces are."""
@@ -227,8 +230,8 @@ class Minimiser:
         return Ending.STALLED if is_balanced else Ending.NO_DESCENT
 
     def _at(self, displacement: Array) -> State:
-        self.effort.evaluations += 1
         with self.clock.phase("pairs and energies"):
+            self.effort.evaluations += 1
             return self.problem.at(displacement)
 
     def _descend(
@@ -241,7 +244,7 @@ class Minimiser:
         with self.clock.phase("assembly"):
             line = self.problem.linearise(state)
         energy = self.total(state, proximal)
-        lost = max(self.options.round_off * abs(energy), self._noise)
+        lost = max(self.options.round_off * abs(energy), self.options.noise * self.energy_scale)
         undamped, matrix = self.assembly.model(state, line, proximal)
         is_last, is_whole = False, undamped.is_bent and self.problem.has_multipliers
         for _ in range(self.options.most_refusals):
@@ -255,7 +258,8 @@ class Minimiser:
                 self.effort.refusals += 1
                 continue
             if is_convex:
-                rounding = Rounding(model, matrix, self._digit, self.options.cheap * -change)
+                digit = self.options.last_digit * self.longest_step
+                rounding = Rounding(model, matrix, digit, self.options.cheap * -change)
                 trials = Trials(self.problem, self._at, state, proximal, rounding, energy)
                 trial, gain = trials.after(step)
                 if -lost < change and -lost < gain:
@@ -272,7 +276,8 @@ class Minimiser:
                         trial, gain = trials.farther(step, (trial, gain), self.longest_step)
                     relaxed = self._damper.relaxed(damping, step, slope, lacking, gain / -change)
                     off = float("inf") if is_led or found.share < 1 else abs(gain / -change - 1)
-                    return Advance(trial, relaxed, found.decrement, is_led and not is_last, off)
+                    force = float(np.linalg.norm(undamped.full_gradient))
+                    return Advance(trial, relaxed, found.decrement, is_led and not is_last, off, force)
             if not is_convex and is_whole:
                 undamped, is_whole = self.assembly.convex(undamped, state), False
             elif is_convex or found.not_convex is None:
@@ -289,6 +294,6 @@ class Minimiser:
         if not np.isfinite(trial.energy):
             return self.problem.folded(trial).astype(float)
         with self.clock.phase("assembly"):
-            found = self.problem.gradient(trial) + proximal.gradient(trial.displacement, self.problem.metric)
             foreseen = model.gradient_after(matrix.multiply(model.stiffness, step), model.jacobian @ step)
+            found = self._force(trial, proximal)
         return self._damper.by_body(np.where(self.problem.free, 0.5 * (found - foreseen) * step, 0.0))

@@ -64,10 +64,11 @@ class Minimum:
 @dataclass(frozen=True, eq=False)
 class Advance:
     """The next iterate, the damping of each body to go on with, the decrement, whether damping led here, or a model
-    that is not convex, and by which share of its decrease the model was off."""
+    that is not convex, by which share of its decrease the model was off, and the norm of the forces before."""
 
     state: State
     damping: NDArray[np.float64]
     decrement: float
     was_damped: bool
     misfit: float = inf
+    force: float = inf

@@ -104,6 +104,8 @@ class MinimiserOptions:
     last_digit, cheap, cheap_at_last : float, float, float
         Length to which places on the way are rounded, as a share of the longest step, and the share of what a step
         gains that this may cost, with an accuracy and without: the path then goes to the last digits.
+    sure : float
+        Factor of a decrement that is foreseen from the forces left: those found were up to six times as large.
     touching, noise : float, float
         Gap below which a prediction keeps walls closed; and round-off of an energy at rest as a share of the scale.
     most_refusals, most_iterations : int
@@ -135,6 +137,7 @@ class MinimiserOptions:
     last_digit: float = 1e-5
     cheap: float = 0.01
     cheap_at_last: float = 0.001
+    sure: float = 10.0
     touching: float = 1e-6
     noise: float = 1e-16
     most_refusals: int = 25

@@ -29,8 +29,9 @@ _log = logging.getLogger(__name__)
 
 
 def recentred(
-    minimiser: Minimiser, start: Array, weight: float, options: ContinuationOptions, lowest: float = -np.inf
-) -> Minimum:
+    minimiser: Minimiser, start: Array, weight: float, options: ContinuationOptions, lowest: float = -np.inf,
+    *, is_settled: bool = False,
+) -> Minimum:  # fmt: skip
     """Return a state near a place from which the energy hardly falls any more.
 
     It ends where all falls of the energy that are still to come, as many as go on like the last two, are no more than
@@ -44,7 +45,8 @@ def recentred(
         state, name = minimiser.problem.at(place), proximal.weight / scale  # contact may have adapted
         energy = state.energy
         sufficient = max(options.sufficient * minimiser.problem.magnitude(state), _nothing(minimiser, options))
-        minimum, _ = minimised(minimiser, place, proximal, 0.0, name, options.update * sufficient, lowest=lowest)
+        enough = options.update * sufficient
+        minimum, _ = minimised(minimiser, place, proximal, 0.0, name, enough, lowest=lowest, is_settled=is_settled)
         if not minimum.is_found:
             return minimum
         missed, _ = minimiser.problem.update_multipliers(minimum.state)

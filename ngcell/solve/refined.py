@@ -96,9 +96,9 @@ def _settled_once(
         share = refined if is_last else options.handed_on  # multipliers that are still missed are not worth more
         if path is None:
             held = ProximalTerm(weight, start)
-            minimum = minimiser.minimise(start, held, share * _magnitude(minimiser, start))
+            minimum = minimiser.minimise(start, held, share * _magnitude(minimiser, start), is_settled=True)
         else:
-            minimum = recentred(minimiser, start, weight, path.options)
+            minimum = recentred(minimiser, start, weight, path.options, is_settled=True)
             if minimum.is_found and isfinite(share):
                 minimum = at_rest(minimiser, minimum, path.scale, path.options.resting, path.options, share)
         if not minimum.is_found:

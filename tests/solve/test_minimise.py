@@ -344,6 +344,10 @@ class Walls(Landscape):
         keys = np.arange(len(self.firm))
         return Model(self.full @ x + self.pull, values, None, self.gap(x), self.slopes, self.firm, keys)
 
+    def gradient(self, state: Point) -> np.ndarray:
+        overlap = np.minimum(self.gap(state.displacement), 0)
+        return self.full @ state.displacement + self.pull + self.slopes.T @ (self.firm * overlap)
+
     def gaps(self, state: Point) -> tuple[np.ndarray, np.ndarray]:
         return np.arange(len(self.firm)), self.gap(state.displacement)
 
@@ -360,3 +364,18 @@ def test_models_of_settled_walls_are_minimised_as_far_as_the_one_before_was_righ
     assert minima[1].state.displacement == pytest.approx(minima[0].state.displacement, abs=1e-6)
     assert efforts[1].iterations <= 0.7 * efforts[0].iterations
     assert efforts[1].factorisations <= efforts[0].factorisations
+
+
+@pytest.mark.parametrize("start", [1.4, 1.2, 0.9])
+def test_where_walls_have_settled_the_last_decrement_is_foreseen_from_the_forces_left(start: float):
+    """It spares the last iteration, and is told no smaller than the one that is found there."""
+    tolerance, found = 1e-10, []
+    held = Landscape(free=np.array([True, True, False]))
+    for is_settled in (False, True):
+        minimiser = Minimiser(held, 0.5, energy_scale=1.0, options=MinimiserOptions(last_digit=1e-12))
+        minimum = minimiser.minimise(np.array([start, 0.3, 0.0]), NOWHERE, tolerance, is_settled=is_settled)
+        spent = minimiser.effort.iterations
+        again = minimiser.minimise(minimum.state.displacement, NOWHERE, tolerance)
+        found.append((spent, minimum.decrement, again.decrement))
+    assert found[1][0] == found[0][0] - 1
+    assert found[1][2] <= found[1][1] <= tolerance
