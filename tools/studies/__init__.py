@@ -11,6 +11,7 @@ commands = Commands(
     "tools.studies",
     ("accuracy", "agreement", "averaged", "cohesion", "cohesion-curves", "constants", "contact-kinds", "cost",
      "ensemble-curves", "equal-error", "figures", "growing", "irregular", "kinds", "last-digits", "members", "phases",
-     "plain-newton", "rupture-map", "scaling", "settings", "sweeps", "versions", "work-precision"),
+     "plain-newton", "promised", "rupture-map", "scaling", "settings", "sweeps", "versions", "whole-command",
+     "work-precision"),
     __doc__,
 )  # fmt: skip

@@ -82,6 +82,7 @@ WITHIN_ACCURACY: dict[str, tuple[float, ...]] = {
     "solver.minimiser.cheap": (1e-3, 0.1),
     "solver.minimiser.inner.least_gain": (0.001, 0.1),
     "solver.minimiser.inner.most_settled": (20, 80),
+    "solver.minimiser.sure": (1.0, 100.0),
     "solver.continuation.recentred": (1e-5, 1e-3),
     "solver.continuation.resting": (1e-4, 1e-2),
     "solver.continuation.leading": (0.002, 0.2),

@@ -70,7 +70,7 @@ def exact(problem: str) -> dict[str, float]:
     return dict(zip(("bore", "interface", "gap", "pressure", "inner_pressure"), map(float, values), strict=True))
 
 
-def scene(problem: str, contact: Any, order: int, size: float) -> BodyScene:
+def scene(problem: str, contact: Any, order: int, size: float, accuracy: float = inf) -> BodyScene:
     """Return the scene."""
     name, kappa = split(problem)
     bore, rim, pulled, pressure = PROBLEMS[name]
@@ -87,7 +87,8 @@ def scene(problem: str, contact: Any, order: int, size: float) -> BodyScene:
         supports.append(BodySupport(f"{body}-x", components=(False, True)))
         supports.append(BodySupport(f"{body}-y", components=(True, False)))
     loads = [] if pressure is None else [Pressure(boundary="inner-bore", value=pressure)]
-    return BodyScene(bodies, supports, size=size, order=order, levels=1, contact=contact, loads=loads, accuracy=inf)
+    meant = {"contact": contact, "loads": loads, "accuracy": accuracy}
+    return BodyScene(bodies, supports, size=size, order=order, levels=1, **meant)
 
 
 def quarter(bore: float, rim: float, name: str, size: float) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from math import inf
 from time import perf_counter, process_time
 from typing import Any
 
@@ -17,7 +18,7 @@ from tools.studies.work_precision.grid import Setting
 def solved(setting: Setting) -> dict[str, Any]:
     """Solve, and return errors or quantities, unknowns, iterations and seconds by phase."""
     started = perf_counter(), process_time()
-    solution = solve_scene(_scene(setting))
+    solution = solve_scene(scene_of(setting))
     taken = perf_counter() - started[0], process_time() - started[1]
     phases = solution.seconds
     return {
@@ -32,15 +33,17 @@ def solved(setting: Setting) -> dict[str, Any]:
     }
 
 
-def _contact(method: str) -> Any:
+def contact_of(method: str) -> Any:
+    """Return the contact of a method's name."""
     return Mortar() if method == "mortar" else Penalty(stiffness=float(method.partition(" x")[2] or 1))
 
 
-def _scene(setting: Setting) -> Any:
+def scene_of(setting: Setting, accuracy: float = inf) -> Any:
+    """Return the scene of a setting, which asks for no accuracy if none is given."""
     if setting.kind == "rings":
-        return rings.scene(setting.problem, _contact(setting.method), setting.order, setting.size)
+        return rings.scene(setting.problem, contact_of(setting.method), setting.order, setting.size, accuracy)
     method, _, stiffness = setting.method.partition(" x")
-    sets = [f"contact.kind={method}", f"mesh.order={setting.order}", "accuracy=inf"]
+    sets = [f"contact.kind={method}", f"mesh.order={setting.order}", f"accuracy={accuracy}"]
     sets += [f"contact.stiffness={stiffness}"] if stiffness else []
     if setting.kind == "tissue":
         sets += [f"mesh.size={setting.size}", f"strategy.kind={setting.strategy}", f"load.levels={setting.steps}"]
