@@ -39,6 +39,12 @@ SCENES: dict[str, tuple[str, tuple[str, ...], int]] = {
     "3x3 under 0.01": (*accuracy.SCENES["3x3 under 0.01"], 10),
     "3x3 filled": ("shear-filled", (*accuracy.SCENES["3x3 filled"][1], "accuracy=0.01"), 10),
 }
+#: The rows of the study of accuracy, which tells what their members scatter by.
+SCENES |= {
+    accuracy.members_of(scene, f"accuracy={share}"): (case, (*sets, f"accuracy={share}"), 6)
+    for scene, (case, sets) in accuracy.SCENES.items()
+    for share in accuracy.ACCURACIES
+}
 QUICK = ("tissue.rows=2", "tissue.cols=2", "load.displacement=[0.3, 0.0]", "load.levels=1", "accuracy=0.1")
 SHOWN = ("plate_force", "energy", "mean_gap", "largest_gap", "parted_pairs")
 COLUMNS = (
@@ -79,7 +85,7 @@ def report(rows: list[dict[str, str]]) -> str:
 def _line(row: dict[str, str]) -> list[str]:
     mean, deviation, error = (float(row[name]) for name in ("mean", "deviation", "error"))
     size = abs(mean) or 1.0
-    settings = "" if row["scene"] in accuracy.SCENES else row["settings"]
+    settings = row["settings"] if row["scene"] in ("3x3", "5x7") else ""
     scene, counted = f"{row['scene']} {settings}".strip(), f"{row['members']} of {row['run']}"
     reach = f"{float(row['smallest']):.4g} to {float(row['largest']):.4g}"
     spread = f"{100 * deviation / size:.2g} %"
