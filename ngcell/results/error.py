@@ -6,8 +6,8 @@ a minimum and falls from mesh to mesh:
 
 - A higher order lowers the errors of all singularities. What the strongest one lets remain is known; where two orders
   in turn have changed the potential by shares that are larger, that is taken. The first order after the first mesh has
-  none before it that counts: what it tells is by the strongest singularity that bodies with corners may have, since
-  walls press on walls as well.
+  none before it that counts: what it tells of energies and forces is by the strongest singularity that bodies with
+  corners may have, since walls press on walls as well.
 - Grading lowers errors at the corners that it is towards, and no others. Of the error e that was told before, the
   refinement has found the change c: ``1 - c / e`` remains, and never less than at these corners. After a grade alone
   the error is also known in two parts (`ngcell.results.parts_of_error`); the smaller of the two is told.
@@ -179,7 +179,8 @@ def estimate(
         of_before = {} if not number else new if how.is_graded_alone else alone
     if of_last and len(changes) == 2 and not refined[1].is_graded:
         share = max(share, refined[1].elsewhere)
-        new = {name: max(new[name], change[name] * share / (1 - share)) for name in _TOLD}
+        at_least = {name: 0.0 if name in _GAPS else change[name] * share / (1 - share) for name in _TOLD}
+        new = {name: max(new[name], at_least[name]) for name in _TOLD}
     at_most = _in_parts(changes, refined) if of_last else {}
     if all(one.stores_nothing for one in found[-2:]):
         told_of = found[-1 if of_last else -2]
