@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.mechanics.resultants import weights_of_resultant
 from ngcell.mechanics.space import DisplacementSpace
 
 Array = NDArray[np.float64]
@@ -60,7 +61,7 @@ class PrescribedMotion:
         supports: Sequence[Support],
         lifting: Callable[[Array], Array] | None = None,
     ) -> None:
-        self._space = space
+        self._space, self._weights = space, dict[str, Array]()
         self.supports = tuple(supports)
         self.fixed = np.zeros((space.dimension, space.size), dtype=bool)
         self._final = np.zeros((space.dimension, space.size))
@@ -93,6 +94,10 @@ class PrescribedMotion:
         return np.where(self.fixed, self._final, 0.0).ravel()
 
     def resultant(self, force: Array, region: str) -> Array:
-        """Return the sum of nodal forces over a region, shape (dimension,)."""
-        unknowns = self._space.region_unknowns(region)
-        return np.asarray((force.reshape(self.fixed.shape) * self._space.one)[:, unknowns].sum(1))
+        """Return the sum of nodal forces over a region, without those of supports beside it, shape (dimension,)."""
+        if region not in self._weights:
+            beside = [[one.region for one in self.supports if one.components[axis]] for axis in range(len(self.fixed))]
+            self._weights[region] = np.array(
+                [weights_of_resultant(self._space, region, "|".join(names)) for names in beside]
+            )
+        return np.asarray((force.reshape(self.fixed.shape) * self._weights[region]).sum(1))

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import ngsolve
 import numpy as np
 import pytest
+from netgen import occ
 
+from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
 from tests.tissues import small_tissue
 
@@ -81,3 +85,33 @@ def test_the_resultant_is_the_energy_per_translation_of_the_region():
         way = (direction[:, None] * member * tissue.space.one).ravel()
         rise = tissue.bulk.form.energy(displacement + size * way) - tissue.bulk.form.energy(displacement - size * way)
         assert tissue.motion.resultant(force, "high")[axis] == pytest.approx(rise / (2 * size), rel=1e-6)
+
+
+@pytest.mark.parametrize(("order", "slope"), [(2, 0.0), (3, 0.0), (3, 1.0), (5, 1.0)])
+def test_a_resultant_has_nothing_of_the_forces_on_supports_beside_it(order, slope):
+    """A square whose four sides are held, with stresses that are balanced: sigma_xx = 2 + slope y, sigma_yy = 3 + slope
+    x, sigma_xy = 5. Sums over unknowns of a side have half an element's worth of what the sides next to it bear."""
+    square = occ.Rectangle(1, 1).Face()
+    for edge, name in ((occ.Y, "top"), (occ.X, "right")):
+        square.edges.Max(edge).name = name
+    square.edges.Min(occ.X).name, square.edges.Min(occ.Y).name = "left", "bottom"
+    mesh = ngsolve.Mesh(occ.OCCGeometry(square, dim=2).GenerateMesh(maxh=0.4))
+    space = DisplacementSpace(SimpleNamespace(mesh=mesh, body_count=1, dimension=2), order)
+    stress = ngsolve.CF((2 + slope * ngsolve.y, 5, 5, 3 + slope * ngsolve.x), dims=(2, 2))
+    force = np.zeros((2, space.size))
+    for axis in range(2):
+        form = ngsolve.LinearForm(space.scalar)
+        form += stress[axis, :] * ngsolve.grad(space.scalar.TestFunction()) * ngsolve.dx
+        form.Assemble()
+        force[axis] = form.vec.FV().NumPy()
+    motion = PrescribedMotion(space, [Support("top|left|right|bottom", np.zeros((2, 2)), np.zeros(2))])
+    wanted = {"top": (5, 3 + slope / 2), "right": (2 + slope / 2, 5), "left": (-2 - slope / 2, -5)}
+    for side, tractions in wanted.items():
+        np.testing.assert_allclose(motion.resultant(force.ravel(), side), tractions, rtol=1e-10)
+    both = motion.resultant(force.ravel(), "top|right")
+    np.testing.assert_allclose(both, np.add(wanted["top"], wanted["right"]), rtol=1e-10)
+    whole = motion.resultant(force.ravel(), "top|left|right|bottom")
+    np.testing.assert_allclose(whole, 0, atol=1e-12)
+    mine = space.region_unknowns("top|right")
+    summed = (force * space.one)[:, mine].sum(1)
+    assert np.abs(summed - np.add(wanted["top"], wanted["right"])).min() > 0.1

@@ -153,7 +153,9 @@ def _verdict(rows: list[dict[str, str]]) -> list[str]:
 
 def report() -> str:
     """Return the table of promised and found errors."""
-    rows = tables.read(TABLE)
+    scenes = [*SCENES, *GIVEN, *VERIFIED]
+    place = {(scene, setting): (at, n) for at, scene in enumerate(scenes) for n, setting in enumerate(settings(scene))}
+    rows = sorted(tables.read(TABLE), key=lambda row: place[row["scene"], row["accuracy"]])
     lines = [
         "# Error asked for, promised and found",
         "",
@@ -172,9 +174,9 @@ def report() -> str:
     ]
     for row in rows:
         reference = reference_of(rows, row["scene"])
-        if row is reference or not isfinite(float(row["energy_error"])):
-            continue  # where no finer mesh has found an equilibrium, nothing is promised
         pairs, effectivity, is_own = [], "", bool(row.get("finest_energy"))
+        if (row is reference and not is_own) or not isfinite(float(row["energy_error"])):
+            continue  # where no finer mesh has found an equilibrium, nothing is promised
         for name in NUMBERS:
             truth = float(row[f"finest_{name}"] if is_own else reference[name])
             if abs(truth) < _NOTHING:
