@@ -247,6 +247,7 @@ class Minimiser:
         lost = max(self.options.round_off * abs(energy), self.options.noise * self.energy_scale)
         undamped, matrix = self.assembly.model(state, line, proximal)
         is_last, is_whole = False, undamped.is_bent and self.problem.has_multipliers
+        force = float(np.linalg.norm(undamped.full_gradient))
         for _ in range(self.options.most_refusals):
             model = self.assembly.damped(undamped, damping)
             found, lacking = self._newton.step(model, matrix, misfit), self._damper.none
@@ -263,7 +264,7 @@ class Minimiser:
                 trials = Trials(self.problem, self._at, state, proximal, rounding, energy)
                 trial, gain = trials.after(step)
                 if -lost < change and -lost < gain:
-                    return Advance(trial, self._damper.none, found.decrement, is_led)
+                    return Advance(trial, self._damper.none, found.decrement, is_led, force=force)
                 least = self.options.poor * -change
                 if gain <= least:
                     bent = corrected(self.problem, self._newton, line, (model, matrix), step, trial, least - gain)
@@ -276,7 +277,6 @@ class Minimiser:
                         trial, gain = trials.farther(step, (trial, gain), self.longest_step)
                     relaxed = self._damper.relaxed(damping, step, slope, lacking, gain / -change)
                     off = float("inf") if is_led or found.share < 1 else abs(gain / -change - 1)
-                    force = float(np.linalg.norm(undamped.full_gradient))
                     return Advance(trial, relaxed, found.decrement, is_led and not is_last, off, force)
             if not is_convex and is_whole:
                 undamped, is_whole = self.assembly.convex(undamped, state), False

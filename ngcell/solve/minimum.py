@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from math import inf
+from math import inf, nan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,4 +71,4 @@ class Advance:
     decrement: float
     was_damped: bool
     misfit: float = inf
-    force: float = inf
+    force: float = nan

@@ -379,3 +379,20 @@ def test_where_walls_have_settled_the_last_decrement_is_foreseen_from_the_forces
         found.append((spent, minimum.decrement, again.decrement))
     assert found[1][0] == found[0][0] - 1
     assert found[1][2] <= found[1][1] <= tolerance
+
+
+def test_where_energies_are_lost_in_round_off_forces_still_tell_the_last_decrement():
+    """Beside an energy of 1e6 no step of this size is seen to lower it; nothing converges for that reason alone."""
+
+    class High(Landscape):
+        def at(self, displacement: np.ndarray) -> Point:
+            return replace(super().at(displacement), energy=super().at(displacement).energy + 1e6)
+
+    held = High(free=np.array([True, True, False]))
+    minimiser = Minimiser(held, 0.5, energy_scale=1.0, options=MinimiserOptions(last_digit=1e-12, no_decrement=1e-30))
+    start = np.array([1.0 + 1e-5, 1e-5, 0.0])
+    minimum = minimiser.minimise(start, NOWHERE, 1e-18, is_settled=True)
+    again = minimiser.minimise(minimum.state.displacement, NOWHERE, 1e-18)
+    assert minimum.ending is Ending.CONVERGED
+    assert 0 <= again.decrement <= minimum.decrement <= 1e-18
+    assert np.abs(minimum.state.displacement - [1, 0, 0]).max() < 1e-8
