@@ -40,7 +40,7 @@ def weights_of_resultant(space: DisplacementSpace, region: str, beside: str) -> 
     if space.dimension != 2 or space.order < 2 or not beside:
         return weights
     others = space.mesh.Boundaries(beside) - space.mesh.Boundaries(region)
-    if not np.intersect1d(mine, _unknowns_on(space, others)).size:
+    if not np.intersect1d(mine, space.region_unknowns(others)).size:
         return weights
     polynomials = ngsolve.SurfaceL2(space.mesh, order=space.order - 2, definedon=others)
     trial, test = space.scalar.TrialFunction(), polynomials.TestFunction()
@@ -55,8 +55,3 @@ def weights_of_resultant(space: DisplacementSpace, region: str, beside: str) -> 
             rows = products[np.array(polynomials.GetDofNrs(element))]
             weights[bubbles] = -np.linalg.lstsq(rows[:, bubbles].toarray(), rows @ weights, rcond=None)[0]
     return weights
-
-
-def _unknowns_on(space: DisplacementSpace, region: ngsolve.Region) -> NDArray[np.int64]:
-    marked = space.scalar.GetDofs(region)
-    return np.flatnonzero(np.fromiter(marked, dtype=bool, count=space.size))

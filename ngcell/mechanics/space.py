@@ -106,9 +106,9 @@ class DisplacementSpace:
         form.Assemble()
         return csr_matrix(form.mat)
 
-    def region_unknowns(self, names: str) -> NDArray[np.int64]:
-        """Return the scalar unknowns on the boundary regions that the regular expression names."""
-        marked = self.scalar.GetDofs(self.mesh.Boundaries(names))
+    def region_unknowns(self, region: str | ngsolve.Region) -> NDArray[np.int64]:
+        """Return the scalar unknowns on a boundary region, or on those that a regular expression names."""
+        marked = self.scalar.GetDofs(self.mesh.Boundaries(region) if isinstance(region, str) else region)
         return np.flatnonzero(np.fromiter(marked, dtype=bool, count=self.size))
 
     def affine(self, gradient: Array, translation: Array) -> Array:

@@ -39,6 +39,7 @@ from ngcell.solve.trials import Trials
 
 Array = NDArray[np.float64]
 
+
 @dataclass
 class Minimiser:
     """Minimises one problem again and again, keeping its matrix.

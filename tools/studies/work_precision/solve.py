@@ -33,15 +33,14 @@ def solved(setting: Setting) -> dict[str, Any]:
     }
 
 
-def contact_of(method: str) -> Any:
-    """Return the contact of a method's name."""
+def _contact(method: str) -> Any:
     return Mortar() if method == "mortar" else Penalty(stiffness=float(method.partition(" x")[2] or 1))
 
 
 def scene_of(setting: Setting, accuracy: float = inf) -> Any:
     """Return the scene of a setting, which asks for no accuracy if none is given."""
     if setting.kind == "rings":
-        return rings.scene(setting.problem, contact_of(setting.method), setting.order, setting.size, accuracy)
+        return rings.scene(setting.problem, _contact(setting.method), setting.order, setting.size, accuracy)
     method, _, stiffness = setting.method.partition(" x")
     sets = [f"contact.kind={method}", f"mesh.order={setting.order}", f"accuracy={accuracy}"]
     sets += [f"contact.stiffness={stiffness}"] if stiffness else []
