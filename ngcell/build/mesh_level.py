@@ -3,50 +3,32 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from functools import cached_property
 from math import inf
 from typing import Generic, cast
 
-from ngcell.build.meshed import Refined, Scene
+from ngcell.build.attempt import Attempt, Minimisers, recall_stiffness
+from ngcell.build.meshed import Refined, Scene, step_numbers
 from ngcell.contact.methods.protocol import Adapting
 from ngcell.contact.methods.terms import ContactTerm
 from ngcell.mechanics.term import Array
 from ngcell.mechanics.transfer import transferred
 from ngcell.problem.problem import Problem
 from ngcell.problem.state import State
-from ngcell.results.error import Errors
+from ngcell.results.error import Errors, Numbers
+from ngcell.results.softness import beside_rigid_contact, loads_move_overlaps
 from ngcell.solve.continuation import rested
 from ngcell.solve.effort import OutOfIterations
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Minimum
 from ngcell.solve.refined import has_contact, settled, stable
 from ngcell.solve.released import Released
+from ngcell.solve.rigid_contact import toward_rigid_contact
 from ngcell.solve.step import StepFailed, spent
 
-Minimisers = Sequence[Minimiser]
-
 _log = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True, eq=False)
-class Attempt:
-    """A way from one mesh to the next.
-
-    Attributes
-    ----------
-    softer : sequence of Minimiser
-        Those that come first, of walls of smaller bulk moduli.
-    minimisers : sequence of Minimiser
-        Those that a step goes through; the last is of the problem that is meant.
-    is_as_stiff : bool
-        Whether contact begins as stiff as it has become on the mesh before.
-    """
-
-    softer: Minimisers
-    minimisers: Minimisers
-    is_as_stiff: bool = False
 
 
 class Level(Generic[Scene]):
@@ -124,7 +106,7 @@ class Level(Generic[Scene]):
             own = mine.problem_of(accepted.phase, only_leads=only_leads)
             self._prepare(softer, last, coarse, start, own)
             if attempt.is_as_stiff:
-                _recall_stiffness(own, coarse.problem)
+                recall_stiffness(own, coarse.problem)
             try:
                 length, options = self._released.longest_step, mine.options.solver
                 minimum = settled(last, start, softer=softer, length=length, options=options, path=path, share=share)
@@ -226,6 +208,16 @@ class Level(Generic[Scene]):
         led_to, before = led.accepted.minimum, led.problem
         return self._released.handed_over(led_to, before, may_slide=may_slide, leads_below=leads_below)
 
+    def numbers(self, found: Refined[Scene]) -> Numbers:
+        """Return the numbers of a step, with what a finite penalty takes of its energy where loads act."""
+        numbers, minimum, problem = step_numbers(found), found.accepted.minimum, found.problem
+        state = cast(State, minimum.state)
+        if found.accepted.phase == "tied" or found.only_leads or not loads_move_overlaps(problem, state):
+            return numbers
+        minimiser, path = self._released.minimisers[-1], self._released.path
+        rigid = toward_rigid_contact(minimiser, minimum, path.scale * path.options.recentred)
+        return beside_rigid_contact(numbers, problem, state, problem.at(rigid))
+
     def _prepare(
         self, softer: Minimisers, minimisers: Minimisers, coarse: Refined[Scene], start: Array, own: Problem
     ) -> None:
@@ -283,10 +275,3 @@ class Level(Generic[Scene]):
         if not left.is_found:
             return replace(found, errors=Errors())
         return replace(found, accepted=replace(found.accepted, minimum=left, effort=effort_in_all))
-
-
-def _recall_stiffness(mine: Problem, coarse: Problem) -> None:
-    """Let contact begin as stiff as it has become on a coarser mesh."""
-    for term, before in zip(mine.terms, coarse.terms, strict=True):
-        if isinstance(term, ContactTerm) and isinstance(before, ContactTerm):
-            term.recall(before.memory())

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, Protocol, TypeVar, cast
 
 from ngcell.build.options import Options
 from ngcell.clock import Clock
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.problem.problem import Problem
-from ngcell.results.equilibrium import Setup
-from ngcell.results.error import Errors
+from ngcell.problem.state import State
+from ngcell.results.equilibrium import Setup, numbers_of
+from ngcell.results.error import Errors, Numbers
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.step import Accepted
 from ngcell.solve.strategies.strategy import Problems
@@ -66,3 +67,11 @@ class Refined(Generic[Scene]):
     errors: Errors
     is_judged: bool
     only_leads: bool = False
+
+
+def step_numbers(one: Refined[Scene]) -> Numbers:
+    """Return the numbers of a step that errors are estimated for."""
+    simulation, minimum = one.simulation, one.accepted.minimum
+    with simulation.clock.phase("measuring"):
+        state = cast(State, minimum.state)
+        return numbers_of(simulation.setup, one.problem, state, minimum.proximal, minimum.to_fall)

@@ -9,14 +9,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from math import inf
-from typing import Generic, cast
+from typing import Generic
 
 from ngcell.build.mesh_level import Level
-from ngcell.build.meshed import Refined, Scene
+from ngcell.build.meshed import Refined, Scene, step_numbers
 from ngcell.build.stages import Stage, singular_exponent
 from ngcell.errors import CaseError
-from ngcell.problem.state import State
-from ngcell.results.equilibrium import numbers_of
 from ngcell.results.error import Errors, Numbers, errors_beside, estimate
 from ngcell.results.parts_of_error import Refining
 from ngcell.solve.step import Accepted
@@ -162,7 +160,7 @@ class Refinement(Generic[Scene]):
                 return self._refined(replace(accepted, effort=last.accepted.effort), is_slipping=True)
             if finished is None:
                 continue
-            here = step_numbers(finished)
+            here = self._levels[finished.level].numbers(finished)
             if here.potential < slid:  # no mesh has told anything of what is here, and it is not at rest
                 found, refined, last = [here.without_contact], [], replace(finished, errors=Errors())
                 continue
@@ -182,14 +180,14 @@ class Refinement(Generic[Scene]):
 
         Penalty terms adapt to energies. Walls that hardly open may overlap by more than their gaps may err.
         """
-        numbers = step_numbers(finer)
+        numbers = self._levels[finer.level].numbers(finer)
         if not finer.is_judged or finer.only_leads or finer.level != _SETTLED_ON:
             return finer, numbers
         while numbers.overlap > _OF_CONTACT * self._accuracy * max(abs(numbers.mean_gap), numbers.scales[2]):
             stiffer = self._levels[finer.level].stiffer(finer)
             if stiffer.accepted.minimum is finer.accepted.minimum:
                 return stiffer, numbers
-            finer, numbers = stiffer, step_numbers(stiffer)
+            finer, numbers = stiffer, self._levels[finer.level].numbers(stiffer)
         return finer, numbers
 
     def _reported(
@@ -209,7 +207,7 @@ class Refinement(Generic[Scene]):
         finished = self._levels[last.level].finished(last, may_slide=may_slide, leads_below=leads_below)
         if finished is None:
             return None
-        return replace(finished, errors=estimate(found, refined, meant=step_numbers(finished)))
+        return replace(finished, errors=estimate(found, refined, meant=self._levels[last.level].numbers(finished)))
 
     def _slid(self, led: Numbers, times: float) -> float:
         """Return the potential below which walls have slid on where multipliers took over, at so many times the fall
@@ -246,11 +244,3 @@ class Refinement(Generic[Scene]):
         if finer is not None:
             self._levels[coarse.level].release()
         return finer
-
-
-def step_numbers(one: Refined[Scene]) -> Numbers:
-    """Return the numbers of a step that errors are estimated for."""
-    simulation, minimum = one.simulation, one.accepted.minimum
-    with simulation.clock.phase("measuring"):
-        state = cast(State, minimum.state)
-        return numbers_of(simulation.setup, one.problem, state, minimum.proximal, minimum.to_fall)

@@ -12,7 +12,7 @@ from math import hypot
 from typing import Any
 
 from ngcell.build.additions import Additions
-from ngcell.build.refinement import step_numbers
+from ngcell.build.meshed import step_numbers
 from ngcell.build.stages import not_estimated, one_order_more, singular_exponent, stages_of
 from ngcell.clock import Clock
 from ngcell.errors import CaseError

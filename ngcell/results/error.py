@@ -24,10 +24,10 @@ forces err by no more than they are: what coarser meshes have told of them count
 Which bodies nothing holds may change from mesh to mesh, and with it the walls that a mean gap is taken over: changes
 are those of the walls that are held on the last mesh.
 
-Beside the mesh, the energy errs by contact that is not rigid, at most by forces times overlaps, and by what the
-proximal term still holds; forces, as derivatives of the energy along the load, and the utilisation of walls by the same
-share of themselves, and that of supports by what the proximal term takes of it; and gaps, since walls overlap, by the
-mean overlap under the forces between them.
+Beside the mesh, the energy errs by contact that is not rigid, at most by forces times overlaps where no loads act
+(`ngcell.results.softness`), and by what the proximal term still holds; forces, as derivatives of the energy along the
+load, and the utilisation of walls by the same share of themselves, and that of supports by what the proximal term takes
+of it; and gaps, since walls overlap, by the mean overlap under the forces between them.
 """
 
 from __future__ import annotations
@@ -80,6 +80,8 @@ class Numbers:
         Largest utilisation of walls [1]; 0 where their strength is not known.
     gaps : GapsOfPairs, optional
         Gaps pair by pair, from which those of other held walls follow.
+    stiffer : float
+        Share by which rigid contact would change the forces between walls [1], where it is known.
     """
 
     potential: float
@@ -94,6 +96,7 @@ class Numbers:
     pulled: float = 0.0
     utilisation: float = 0.0
     gaps: GapsOfPairs | None = None
+    stiffer: float = 0.0
 
     def over_walls_of(self, last: Numbers) -> Numbers:
         """Return the same with the gaps of the walls whose bodies something holds on the last mesh."""
@@ -108,7 +111,7 @@ class Numbers:
     @property
     def without_contact(self) -> Numbers:
         """The same without what they err by besides the mesh."""
-        return replace(self, besides=0.0, overlap=0.0)
+        return replace(self, besides=0.0, stiffer=0.0, overlap=0.0)
 
 
 @dataclass(frozen=True)
@@ -224,7 +227,7 @@ def _share(how: Refining, change: float, before: float, told: float | None) -> f
 
 def _with_contact(last: Numbers, told: dict[str, float]) -> Errors:
     """Return errors of the mesh with those of contact and the proximal term."""
-    softness = last.besides / max(abs(last.energy), last.scales[0])
+    softness = max(last.besides / max(abs(last.energy), last.scales[0]), last.stiffer)
     plate = float(np.linalg.norm(last.plate_force))
     besides = {
         "energy": last.besides,

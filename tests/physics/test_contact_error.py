@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import cache
 from itertools import product
+from math import inf
 from typing import Any
 
 import pytest
 
+import ngcell
 from tools.references import contact_error, radial
 from tools.references.contact_error import LIMIT, RINGS
+from tools.solutions import solved
+from tools.studies.work_precision import rings
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -47,3 +51,14 @@ def test_contact_costs_a_quarter_of_the_accuracy_at_most(name, contact, order):
 def test_the_cost_of_a_penalty_is_part_of_the_error_that_is_told(name):
     errors = found(name, "penalty", None)
     assert errors["pressure"] <= errors["estimated"] <= 0.01
+
+
+@pytest.mark.parametrize("times", [1.0, 10.0])
+def test_the_cost_of_a_penalty_is_told_where_a_pressure_drives_rings_together(times):
+    def last(contact, order, accuracy):
+        return solved(rings.scene("above", contact, order, 0.25, accuracy)).last.record
+
+    rigid, soft = last(ngcell.Mortar(), 5, inf), last(ngcell.Penalty(stiffness=times), 4, 0.1)
+    for name in ("energy", "contact_force"):
+        off = abs(getattr(soft, name) - getattr(rigid, name))
+        assert 0.3 < off / getattr(soft, f"{name}_error") < 1

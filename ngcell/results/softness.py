@@ -1,0 +1,34 @@
+"""What a finite penalty takes of the energy where loads act.
+
+With prescribed displacements alone the stored energy rises to that of rigid contact by no more than forces times
+overlaps. Loads do work as overlaps go, which that says nothing of: there the state of rigid contact itself is compared,
+to first order.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import isfinite
+
+from ngcell.mechanics.term import Role
+from ngcell.problem.problem import Problem
+from ngcell.problem.state import State
+from ngcell.results.error import Numbers
+
+
+def loads_move_overlaps(problem: Problem, state: State) -> bool:
+    """Return whether loads act on bodies that overlap by a finite penalty."""
+    has_overlaps = not problem.has_multipliers and problem.overlap_work(state.at) > 0
+    return has_overlaps and bool(problem.force(state.at, Role.LOAD).any())
+
+
+def beside_rigid_contact(numbers: Numbers, problem: Problem, state: State, rigid: State) -> Numbers:
+    """Return numbers of a state whose energy and forces err by no less than they change to a state of rigid contact."""
+    changed = abs(rigid.energy - problem.unstored(rigid.at) - numbers.energy)
+    if not isfinite(changed):  # too far for what is linear
+        return numbers
+    contact = problem.gradient_of_constraints(state) * problem.free
+    others = (problem.gradient(rigid) - problem.gradient_of_constraints(rigid)) * problem.free
+    stiffer = abs(float((contact + others) @ contact)) / float(contact @ contact)  # rigid contact balances the others
+    besides = numbers.besides + max(changed - problem.overlap_work(state.at), 0.0)
+    return replace(numbers, besides=besides, stiffer=stiffer)
