@@ -1,4 +1,4 @@
-"""Points in the middle of facing walls: the same ones, whatever round-off says."""
+"""Points of facing walls: the same ones, whatever round-off and meshes say."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import ngcell
+from ngcell.build.simulation import Simulation
 from ngcell.contact.pairing.facing import find_facing
 from tests.tissues import small_tissue
 
@@ -22,3 +24,13 @@ def test_points_on_the_border_of_the_middle_half_do_not_depend_on_round_off(edge
     for _ in range(10):
         moved = replace(walls, rest=walls.rest + 1e-15 * random.uniform(-1, 1, walls.rest.shape))
         assert np.array_equal(find_facing(moved, tolerance=1e-3).is_middle, found.is_middle)
+
+
+def test_what_faces_a_curved_wall_does_not_go_with_the_mesh():
+    def facing_length(factor: float) -> float:
+        sets = [f"mesh.size={3 * factor}", f"mesh.refine=[{{at=[0, 0], within=1.5, size={0.05 * factor}}}]"]
+        case = ngcell.read_case("hertz-half-cylinder", ["accuracy=inf", *sets])
+        return float(Simulation(case).setup.facing.weight.sum())
+
+    lengths = [facing_length(factor) for factor in (0.5, 1.0, 2.0)]
+    assert max(lengths) < 1.002 * min(lengths)

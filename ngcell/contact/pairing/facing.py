@@ -2,7 +2,8 @@
 
 Facing walls are found from the reference geometry: a facet faces another body if it touches it, or nearly so, with
 opposite normals. Where two user-defined bodies touch nowhere, since they are apart at rest or overlap like those of a
-press-fit, the facets are those that are within reach of the other body, on either side of its walls. The gap of a
+press-fit, the facets are those that are within reach of the other body, on either side of its walls. How much a point
+counts falls with its distance at rest. The gap of a
 facing wall is measured from each of its quadrature points to the nearest point of the other body's walls, wherever that
 has slid, so a parted pair keeps a gap however far it is apart.
 """
@@ -11,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +26,8 @@ Index = NDArray[np.int64]
 
 #: Two facets touch face to face if their normals differ from opposite by less than about 25 degrees.
 _OPPOSITE = -0.9
+#: Share of the distance up to which facets face each other, within which their middles touch.
+_TOUCHING = 1e-6
 #: Share of the wall's thickness by which a facet is moved to see whether it comes nearer.
 _PROBE = 1e-5
 #: Share of the middle half of a wall, at its ends, whose points do not count: round-off would decide where they lie.
@@ -47,7 +51,8 @@ class FacingWalls:
     other : array of int, shape (points,)
         Body that the point faces.
     weight : array of float, shape (points,)
-        Quadrature weight [length], on faces [length**2].
+        Quadrature weight [length], on faces [length**2], times the share by which the point counts: 1 where walls
+        touch, 0 where they are too far to face each other.
     is_middle : array of bool, shape (points,)
         Whether the point lies in the middle half of its wall.
     """
@@ -80,55 +85,80 @@ def find_facing(walls: Surface, tolerance: Reach, reach: Reach = 0.0) -> FacingW
     walls : Surface
         The walls.
     tolerance : float or array of float, shape (bodies,)
-        Distance up to which facets touch [length]; of two bodies the smaller counts.
+        Distance up to which points touch [length]; of two bodies the smaller counts.
     reach : float or array of float, shape (bodies,)
-        Distance, or depth, up to which facets of bodies that touch nowhere face each other [length].
+        Distance, or depth, up to which points of bodies that touch nowhere face each other [length].
     """
     touching = _facing_ahead(walls, _within(walls, tolerance))
-    further = _within(walls, reach) if np.max(reach) > np.min(tolerance) else touching[:0]
+    further = _within(walls, reach) if np.max(reach) > np.min(tolerance) else touching.chosen(slice(0))
     count = int(walls.body.max(initial=0)) + 1
-    known = np.isin(_pair_numbers(walls, further, count), _pair_numbers(walls, touching, count))
-    facet, other = np.concatenate([touching, further[~known]]).T
-    bodies = np.sort(np.column_stack([walls.body[facet], other]), axis=1)
+    known = np.isin(further.pair_numbers(walls, count), touching.pair_numbers(walls, count))
+    found = touching.joined(further.chosen(~known))
+    bodies = np.sort(np.column_stack([walls.body[found.facet], found.other]), axis=1)
     pairs, pair = np.unique(bodies, axis=0, return_inverse=True)
-    count = len(walls.quadrature_points)
-    facet, other, pair = (np.repeat(array, count) for array in (facet, other, pair.ravel()))
-    quadrature_point = np.tile(np.arange(count), len(facet) // count)
-    point = (walls.quadrature_values @ walls.rest)[facet, quadrature_point]
-    is_middle = _in_middle_half(2 * pair + (walls.body[facet] > other), point)
-    weight = walls.weights[facet, quadrature_point]
-    parts = (part[weight != 0] for part in (pair, facet, quadrature_point, other, weight, is_middle))
-    return FacingWalls(pairs, walls.thickness[pairs].min(1), *parts)
+    pair = pair.ravel()
+    place = (walls.quadrature_values @ walls.rest)[found.facet, found.point]
+    is_middle = _in_middle_half(2 * pair + (walls.body[found.facet] > found.other), place)
+    thickness = walls.thickness[pairs].min(1)
+    return FacingWalls(pairs, thickness, pair, found.facet, found.point, found.other, found.weight, is_middle)
 
 
-def _within(walls: Surface, distance: Reach) -> Index:
-    """Return facets and the bodies that they face up to a distance [length] on either side, shape (n, 2)."""
+@dataclass(frozen=True, eq=False)
+class _Points:
+    """Quadrature points of facets, and the bodies that they face; arrays of shape (points,)."""
+
+    facet: Index
+    point: Index
+    other: Index
+    weight: Array
+
+    def chosen(self, which: Any) -> _Points:
+        return _Points(self.facet[which], self.point[which], self.other[which], self.weight[which])
+
+    def joined(self, others: _Points) -> _Points:
+        mine, theirs = ((one.facet, one.point, one.other, one.weight) for one in (self, others))
+        return _Points(*(np.concatenate(both) for both in zip(mine, theirs, strict=True)))
+
+    def pair_numbers(self, walls: Surface, count: int) -> Index:
+        """Return a number for the two bodies of each point."""
+        bodies = np.sort(np.column_stack([walls.body[self.facet], self.other]), axis=1)
+        return np.asarray(bodies @ [count, 1])
+
+
+def _within(walls: Surface, distance: Reach) -> _Points:
+    """Return the points that face a body up to a distance [length] on either side.
+
+    Their weight falls with the square of the distance, to 0 where they are too far: a sharp end would lie elsewhere
+    with other elements. Facets whose middle touches are taken as a whole.
+    """
     one, two = near_facets(walls, walls.rest, distance)
     opposite = facing(walls, walls.rest, one, two, _OPPOSITE)
     of_body = np.broadcast_to(distance, walls.thickness.shape)
-    found = np.unique(np.column_stack([one, walls.body[two]])[opposite], axis=0)
-    gap = nearest_on_body(walls, walls.rest, walls.centres(walls.rest)[found[:, 0]], found[:, 1])
-    within = np.minimum(of_body[walls.body[found[:, 0]]], of_body[found[:, 1]])
-    return np.asarray(found[np.abs(gap) <= within])
+    facet, body = np.unique(np.column_stack([one, walls.body[two]])[opposite], axis=0).T
+    limit = np.minimum(of_body[walls.body[facet]], of_body[body])
+    touches = np.abs(nearest_on_body(walls, walls.rest, walls.centres(walls.rest)[facet], body)) <= _TOUCHING * limit
+    count = len(walls.quadrature_points)
+    share = np.ones((len(facet), count))
+    place = (walls.quadrature_values @ walls.rest)[facet[~touches]].reshape(-1, walls.dimension)
+    gap = nearest_on_body(walls, walls.rest, place, np.repeat(body[~touches], count)).reshape(-1, count)
+    share[~touches] = 1 - (gap / limit[~touches, None]) ** 2
+    weight = walls.weights[facet] * np.maximum(share, 0)
+    row, point = np.nonzero(weight)
+    return _Points(facet[row], point, body[row], weight[row, point])
 
 
-def _facing_ahead(walls: Surface, found: Index) -> Index:
-    """Return the rows of facets and bodies whose facet comes nearer to the body along its own normal.
+def _facing_ahead(walls: Surface, found: _Points) -> _Points:
+    """Return the points whose facet comes nearer to the body along its own normal.
 
     Where four cells meet, facets next to the corner that are shorter than the tolerance touch the cell across, too; but
     that one lies beside them.
     """
-    facet, body = found.T
+    rows, back = np.unique(np.column_stack([found.facet, found.other]), axis=0, return_inverse=True)
+    facet, body = rows.T
     centre, normal = walls.centres(walls.rest)[facet], walls.chord_normals(walls.rest)[facet]
     step = _PROBE * walls.thickness[walls.body[facet]]
     gap, ahead = (nearest_on_body(walls, walls.rest, centre + by[:, None] * normal, body) for by in (0 * step, step))
-    return np.asarray(found[gap - ahead > step / 2])
-
-
-def _pair_numbers(walls: Surface, found: Index, count: int) -> Index:
-    """Return a number for the two bodies of each row."""
-    bodies = np.sort(np.column_stack([walls.body[found[:, 0]], found[:, 1]]), axis=1)
-    return np.asarray(bodies @ [count, 1])
+    return found.chosen((gap - ahead > step / 2)[back.ravel()])
 
 
 def count_corners(walls: Surface) -> int:
