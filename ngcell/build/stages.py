@@ -80,12 +80,15 @@ class Stage:
         """Return how it is finer than the stage before, if a singularity of this exponent rules the error.
 
         Energies err by h**(2 exponent) in the size of the elements at the singularity, and by p**(-4 exponent) in
-        their order (Babuska and Suri, SIAM Rev. 36, 1994, doi:10.1137/1036141).
+        their order (Babuska and Suri, SIAM Rev. 36, 1994, doi:10.1137/1036141). What one order leaves is that power of
+        p + 1/2: at a corner of 270 degrees to 3 % from order 4 on, where that of p is 4 % too small. Gaps of tissues
+        follow no such law, and keep the power of p.
         """
-        in_order = (before.order / self.order) ** (4 * exponent)
-        elsewhere = (before.order / self.order) ** (4 * (_STRONGEST if exponent < 1 else exponent))
-        grades = self.grading - before.grading
-        return Refining(float(in_order * GRADE ** (2 * exponent * grades)), grades > 0, elsewhere)
+        orders, grades = (before.order + 0.5) / (self.order + 0.5), self.grading - before.grading
+        elsewhere = orders ** (4 * (_STRONGEST if exponent < 1 else exponent))
+        graded = GRADE ** (2 * exponent * grades)
+        of_gaps = (before.order / self.order) ** (4 * exponent) * graded
+        return Refining(float(orders ** (4 * exponent) * graded), grades > 0, elsewhere, float(of_gaps))
 
 
 def stages_of(scene: AnyCase | BodyScene, *, finest: bool = False) -> tuple[Stage, ...]:

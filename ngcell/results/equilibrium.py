@@ -129,17 +129,17 @@ def numbers_of(setup: Setup, problem: Problem, state: State, proximal: Held, to_
     # Pressures all around a body have no resultant.
     force = max(scales.force, float(balance.forces.normal.max(initial=0.0)))
     mean, largest = mean_and_largest(setup.facing, balance.gap, held)
-    overlap_work = problem.overlap_work(state.at)
+    of_contact = problem.overlap_work(state.at) / 2  # what a penalty stores, and what rigid contact would store more
     between = sum(term.overlap_work(state.at) for term in problem.terms if term.overlap(state.at) is not None)
     return Numbers(
-        potential=state.energy,
+        potential=state.energy + of_contact,
         energy=energy,
         plate_force=setup.motion.resultant(balance.nodal.reaction, setup.moved),
         contact_force=balance.forces.total,
         mean_gap=mean,
         largest_gap=largest,
         scales=(scales.energy, force, ONSET * _thinnest(setup, problem)),
-        besides=overlap_work + proximal_energy + quadrature_error(problem.terms, state.at) + max(to_fall, 0.0),
+        besides=of_contact + proximal_energy + quadrature_error(problem.terms, state.at) + max(to_fall, 0.0),
         overlap=between / max(float(balance.forces.normal.sum()), force * _NO_FORCE),
         gaps=gaps_of_pairs(setup.facing, balance.gap, balance.free_bodies),
         utilisation=0.0 if setup.strength is None else setup.strength.utilisation(problem.terms, displacement).largest,

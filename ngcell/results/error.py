@@ -5,9 +5,7 @@ error of the coarser one: the finer one errs by ``|q - q'| r / (1 - r)``. The sh
 a minimum and falls from mesh to mesh:
 
 - A higher order lowers the errors of all singularities. What the strongest one lets remain is known; where two orders
-  in turn have changed the potential by shares that are larger, that is taken. The first order after the first mesh has
-  none before it that counts: what it tells of energies and forces is by the strongest singularity that bodies with
-  corners may have, since walls press on walls as well.
+  in turn have changed the potential by shares that are larger, that is taken. Gaps have a smaller share.
 - Grading lowers errors at the corners that it is towards, and no others. Of the error e that was told before, the
   refinement has found the change c: ``1 - c / e`` remains, and never less than at these corners. After a grade alone
   the error is also known in two parts (`ngcell.results.parts_of_error`); the smaller of the two is told.
@@ -24,10 +22,12 @@ forces err by no more than they are: what coarser meshes have told of them count
 Which bodies nothing holds may change from mesh to mesh, and with it the walls that a mean gap is taken over: changes
 are those of the walls that are held on the last mesh.
 
-Beside the mesh, the energy errs by contact that is not rigid, at most by forces times overlaps where no loads act
-(`ngcell.results.softness`), and by what the proximal term still holds; forces, as derivatives of the energy along the
-load, and the utilisation of walls by the same share of themselves, and that of supports by what the proximal term takes
-of it; and gaps, since walls overlap, by the mean overlap under the forces between them.
+Beside the mesh, the energy errs by contact that is not rigid: by half of forces times overlaps, which is what penalty
+terms store, where no loads act (else see `ngcell.results.softness`). Meshes differ in their penalty, so that potentials
+are compared as they would be by rigid contact. The energy also errs by what the proximal term still holds; forces, as
+derivatives of the energy along the load, and the utilisation of walls by the same share of themselves, and that of
+supports by what the proximal term takes of it; and gaps, since walls overlap, by the mean overlap under the forces
+between them.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class Numbers:
     Attributes
     ----------
     potential : float
-        What the state is a minimum of: stored energy, that of contact and of loads [stress * length**2].
+        What the state is a minimum of, as by rigid contact: stored energy and that of loads [stress * length**2].
     energy : float
         Stored energy [stress * length**2].
     plate_force : array of float, shape (dimension,)
@@ -168,11 +168,22 @@ def estimate(
     """
     if len(found) < 2:
         return Errors()
-    told: dict[str, float] = {}
-    of_before: dict[str, float] = {}
-    changed = 0.0
     found = [one.over_walls_of(meant or found[-1]) for one in found]
     changes = [{name: _change(one, two, name) for name in _TOLD} for one, two in zip(found, found[1:], strict=False)]
+    of_energies = _chain(changes, refined, of_last)
+    of_gaps = _chain(changes, [how.of_gaps for how in refined], of_last)
+    new = {name: (of_gaps if name in _GAPS else of_energies)[name] for name in _TOLD}
+    at_most = _in_parts(changes, refined) if of_last else {}
+    if all(one.stores_nothing for one in found[-2:]):
+        told_of = found[-1 if of_last else -2]
+        at_most |= {name: _size(getattr(told_of, name)) for name in _TOLD if name not in _GAPS}
+    return _with_contact(meant or found[-1], {name: min(new[name], at_most.get(name, inf)) for name in _TOLD})
+
+
+def _chain(changes: Sequence[Mapping[str, float]], refined: Sequence[Refining], of_last: bool) -> dict[str, float]:
+    """Return the errors that follow from what each refinement has changed, and from what the one before told."""
+    told, of_before, new = dict[str, float](), dict[str, float](), dict[str, float]()
+    changed = 0.0
     for number, (change, how) in enumerate(zip(changes, refined, strict=False)):
         share = _share(how, change["potential"], changed, told.get("potential"))
         remains = share if of_last else 1.0
@@ -180,15 +191,7 @@ def estimate(
         new = {name: max(alone[name], _kept(name, how, share, change, of_before)) for name in _TOLD}
         told, changed = new if number else {}, 0.0 if how.is_graded else change["potential"]
         of_before = {} if not number else new if how.is_graded_alone else alone
-    if of_last and len(changes) == 2 and not refined[1].is_graded:
-        share = max(share, refined[1].elsewhere)
-        at_least = {name: 0.0 if name in _GAPS else change[name] * share / (1 - share) for name in _TOLD}
-        new = {name: max(new[name], at_least[name]) for name in _TOLD}
-    at_most = _in_parts(changes, refined) if of_last else {}
-    if all(one.stores_nothing for one in found[-2:]):
-        told_of = found[-1 if of_last else -2]
-        at_most |= {name: _size(getattr(told_of, name)) for name in _TOLD if name not in _GAPS}
-    return _with_contact(meant or found[-1], {name: min(new[name], at_most.get(name, inf)) for name in _TOLD})
+    return new
 
 
 def _kept(
@@ -227,12 +230,12 @@ def _share(how: Refining, change: float, before: float, told: float | None) -> f
 
 def _with_contact(last: Numbers, told: dict[str, float]) -> Errors:
     """Return errors of the mesh with those of contact and the proximal term."""
-    softness = max(last.besides / max(abs(last.energy), last.scales[0]), last.stiffer)
+    softness = last.besides / max(abs(last.energy), last.scales[0])
     plate = float(np.linalg.norm(last.plate_force))
     besides = {
         "energy": last.besides,
         "plate_force": softness * plate + last.pulled,
-        "contact_force": softness * last.contact_force,
+        "contact_force": max(softness, last.stiffer) * last.contact_force,
         "mean_gap": last.overlap,
         "largest_gap": last.overlap,
         "utilisation": softness * last.utilisation,

@@ -12,7 +12,7 @@ meshes is not kept.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 #: The largest share of an error that a refinement is taken to leave.
 MOST_REMAINS = 0.8
@@ -30,11 +30,19 @@ class Refining:
         Whether it is graded towards corners once more.
     elsewhere : float
         Smallest share that it may leave of errors elsewhere; 1 where it does nothing there.
+    remains_of_gaps : float, optional
+        Smallest share of the errors of gaps that it may leave; by default the same.
     """
 
     remains: float
     is_graded: bool = False
     elsewhere: float = 0.0
+    remains_of_gaps: float | None = None
+
+    @property
+    def of_gaps(self) -> Refining:
+        """The same as gaps see it."""
+        return self if self.remains_of_gaps is None else replace(self, remains=self.remains_of_gaps)
 
     @property
     def is_graded_alone(self) -> bool:

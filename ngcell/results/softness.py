@@ -1,8 +1,8 @@
 """What a finite penalty takes of the energy where loads act.
 
-With prescribed displacements alone the stored energy rises to that of rigid contact by no more than forces times
-overlaps. Loads do work as overlaps go, which that says nothing of: there the state of rigid contact itself is compared,
-to first order.
+With prescribed displacements alone the energy, that of penalty terms included, rises to that of rigid contact by as
+much as these store: half of forces times overlaps. Loads do work as overlaps go, which that says nothing of: there the
+state of rigid contact itself is compared, to first order.
 """
 
 from __future__ import annotations
@@ -30,5 +30,5 @@ def beside_rigid_contact(numbers: Numbers, problem: Problem, state: State, rigid
     contact = problem.gradient_of_constraints(state) * problem.free
     others = (problem.gradient(rigid) - problem.gradient_of_constraints(rigid)) * problem.free
     stiffer = abs(float((contact + others) @ contact)) / float(contact @ contact)  # rigid contact balances the others
-    besides = numbers.besides + max(changed - problem.overlap_work(state.at), 0.0)
+    besides = numbers.besides + max(changed - problem.overlap_work(state.at) / 2, 0.0)
     return replace(numbers, besides=besides, stiffer=stiffer)

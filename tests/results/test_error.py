@@ -108,17 +108,10 @@ def test_a_grade_alone_leaves_of_gaps_what_it_has_not_changed(moves: float, left
     assert errors.largest_gap == errors.mean_gap
 
 
-@pytest.mark.parametrize("graded", [False, True])
-def test_the_first_order_after_the_load_path_is_told_by_the_strongest_singularity(graded: bool):
-    """It has no order before it that counts; a later one has, and corners that are graded are known by themselves."""
-    found = [numbers(9.0, gap=2.0), numbers(2.1, gap=1.1), numbers(2.05, gap=1.0), numbers(2.025, gap=0.95)]
-    first, later = Refining(0.5, graded, elsewhere=0.6), Refining(0.4, elsewhere=0.6)
-    errors = estimate(found[:3], [Refining(0.5), first])
-    times = 1.0 if graded else 1.5
-    assert (errors.energy, errors.mean_gap) == pytest.approx((0.05 * times, 0.1), rel=1e-12)  # gaps have no such rate
-    assert estimate(found[:2], [Refining(0.5, elsewhere=0.6)]).energy == pytest.approx(6.9, rel=1e-12)
-    if not graded:
-        assert estimate(found, [Refining(0.5), first, later]).energy == pytest.approx(0.025, rel=1e-12)
+def test_gaps_are_told_by_a_share_of_their_own():
+    found = [numbers(9.0, gap=2.0), numbers(2.1, gap=1.1), numbers(2.05, gap=1.0)]
+    errors = estimate(found, [Refining(0.5), Refining(0.6, remains_of_gaps=0.5)])
+    assert (errors.energy, errors.mean_gap) == pytest.approx((0.075, 0.1), rel=1e-12)
 
 
 def test_what_is_told_by_the_mesh_of_the_load_path_is_not_remembered():

@@ -134,7 +134,8 @@ def test_before_a_mesh_is_graded_its_order_has_told_the_error():
     kinds = [two.refining(one, 0.6) for one, two in zip(stages, stages[1:], strict=False)]
     first = next(number for number, kind in enumerate(kinds) if kind.is_graded)
     assert first >= 2 and not kinds[first - 1].is_graded
-    assert kinds[0].remains == pytest.approx((2 / 3) ** 2.4)
+    assert kinds[0].remains == pytest.approx((2.5 / 3.5) ** 2.4)
+    assert kinds[0].remains_of_gaps == pytest.approx((2 / 3) ** 2.4)
     assert kinds[first].remains == pytest.approx(0.2**1.2)
 
 

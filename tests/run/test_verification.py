@@ -124,8 +124,8 @@ def test_errors_that_a_finer_mesh_tells_stand_beside_the_numbers(tmp_path: Path)
     shown = list(summary_lines(recording, tmp_path))
     (how,) = (line for line in shown if line.startswith("how sure"))
     assert how.endswith("with errors that elements of order 2 tell")
-    (energy,) = (line for line in shown if line.startswith("  energy  ") and "%" in line)
-    assert f"± {100 * table['energy']['error'] / table['energy']['meant']:.0f} %" in energy
+    (gap,) = (line for line in shown if line.startswith("  mean gap  ") and "%" in line)
+    assert f"± {100 * table['mean_gap']['error'] / table['mean_gap']['meant']:.0f} %" in gap
     assert any(line.startswith("mesh         the last level with elements of order 2") for line in shown)
 
 
