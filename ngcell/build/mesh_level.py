@@ -28,6 +28,10 @@ from ngcell.solve.released import Released
 from ngcell.solve.rigid_contact import toward_rigid_contact
 from ngcell.solve.step import StepFailed, spent
 
+#: Size of the digits that a place loses on a new mesh, in those that it loses on the way: the last minimisation on the
+#: mesh before has kept them, and a third as many numbers lie so near to the middle of two that round-off decides.
+_DIGITS = 3.0
+
 _log = logging.getLogger(__name__)
 
 
@@ -107,9 +111,10 @@ class Level(Generic[Scene]):
             self._prepare(softer, last, coarse, start, own)
             if attempt.is_as_stiff:
                 recall_stiffness(own, coarse.problem)
+            begun = start if path is None else last[0].rounded(start, _DIGITS)
             try:
                 length, options = self._released.longest_step, mine.options.solver
-                minimum = settled(last, start, softer=softer, length=length, options=options, path=path, share=share)
+                minimum = settled(last, begun, softer=softer, length=length, options=options, path=path, share=share)
             except OutOfIterations:
                 accepted = replace(accepted, effort=accepted.effort + (spent((*softer, *last)) - effort))
                 break

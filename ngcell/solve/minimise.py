@@ -169,9 +169,9 @@ class Minimiser:
         self.effort.factorisations += 1
         return matrix.solve
 
-    def rounded(self, place: Array) -> Array:
-        """Return a place without its last digits."""
-        return without_last_digits(place, self.problem.free, self.options.last_digit * self.longest_step)
+    def rounded(self, place: Array, digits: float = 1.0) -> Array:
+        """Return a place without its last digits; so many times as large ones."""
+        return without_last_digits(place, self.problem.free, digits * self.options.last_digit * self.longest_step)
 
     def make_matrix(self, displacement: Array) -> None:
         """Make the matrix of this problem, if there is none yet."""
