@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import ngcell
-from ngcell.build import mesh_level, refinement
+from ngcell.build import mesh_level, meshed
 from ngcell.build.options import Options
 from ngcell.build.reported import Step
 from ngcell.build.simulation import Simulation
@@ -98,7 +98,7 @@ def test_what_the_energy_may_still_fall_counts_in_its_error(monkeypatch: pytest.
     # It goes on to a finer mesh, on which energies are lower, and so is what the mesh errs by.
     assert rushed.record.energy_error > abs(rushed.record.energy - usual.record.energy)
     assert rushed.record.energy_error > usual.record.energy_error
-    monkeypatch.setattr(refinement, "numbers_of", without_falls)
+    monkeypatch.setattr(meshed, "numbers_of", without_falls)
     *_, untold = ngcell.simulate(case, options=Options(solver=SolverOptions(continuation=continuation)))
     assert falls[-1] > 0.05 * rushed.record.energy_error
     assert rushed.record.energy_error - untold.record.energy_error == pytest.approx(falls[-1], rel=1e-6)
