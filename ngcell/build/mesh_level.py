@@ -216,10 +216,10 @@ class Level(Generic[Scene]):
     def numbers(self, found: Refined[Scene]) -> Numbers:
         """Return the numbers of a step, with what a finite penalty takes of its energy where loads act."""
         numbers, minimum, problem = step_numbers(found), found.accepted.minimum, found.problem
-        state = cast(State, minimum.state)
-        if found.accepted.phase == "tied" or found.only_leads or not loads_move_overlaps(problem, state):
+        minimiser, path, state = self._released.minimisers[-1], self._released.path, cast(State, minimum.state)
+        is_led = found.accepted.phase == "tied" or found.only_leads
+        if is_led or minimiser.is_iterative or not loads_move_overlaps(problem, state):
             return numbers
-        minimiser, path = self._released.minimisers[-1], self._released.path
         rigid = toward_rigid_contact(minimiser, minimum, path.scale * path.options.recentred)
         return beside_rigid_contact(numbers, problem, state, problem.at(rigid))
 

@@ -29,6 +29,6 @@ def beside_rigid_contact(numbers: Numbers, problem: Problem, state: State, rigid
         return numbers
     contact = problem.gradient_of_constraints(state) * problem.free
     others = (problem.gradient(rigid) - problem.gradient_of_constraints(rigid)) * problem.free
-    stiffer = abs(float((contact + others) @ contact)) / float(contact @ contact)  # rigid contact balances the others
+    squared, left = float(contact @ contact), float((contact + others) @ contact)  # rigid contact balances the others
     besides = numbers.besides + max(changed - problem.overlap_work(state.at) / 2, 0.0)
-    return replace(numbers, besides=besides, stiffer=stiffer)
+    return replace(numbers, besides=besides, stiffer=abs(left) / squared if squared else 0.0)  # 0: all on supports
