@@ -29,6 +29,7 @@ from ngcell.solve.continuation_options import ContinuationOptions
 from ngcell.solve.effort import OutOfIterations
 from ngcell.solve.minimum import Minimum
 from ngcell.solve.options import SolverOptions
+from ngcell.solve.refined import settled
 
 SMALL = ("tissue.rows=2", "tissue.cols=2", "load.displacement=[0.3, 0.0]", "load.levels=1")
 PAIR = ("tissue.rows=1", "tissue.cols=2", "load.displacement=[0.2, 0.0]", "load.levels=1")
@@ -273,3 +274,19 @@ def test_an_expected_number_is_missed_only_beyond_what_the_measured_one_may_err_
     expected = Expected(level=1.0, quantity="energy", value=1.0, tolerance=1e-3, origin="nowhere")
     (found,) = compare([expected], record, cast(View, None), 1.0)
     assert found.passed is passes
+
+
+def test_a_place_has_fewer_digits_on_a_new_mesh(monkeypatch: pytest.MonkeyPatch):
+    """Round-off of the mesh before chooses nothing there."""
+    shares = list[float]()
+
+    def noting(minimisers: Any, start: Any, **given: Any) -> Minimum:
+        minimiser = minimisers[0]
+        digits = start[minimiser.problem.free] / (minimiser.options.last_digit * minimiser.longest_step)
+        if given["path"] is not None:
+            shares.append(float(np.abs(digits / 3 - np.round(digits / 3)).max()))
+        return settled(minimisers, start, **given)
+
+    monkeypatch.setattr(mesh_level, "settled", noting)
+    ngcell.simulate(ngcell.read_case("shear-empty-3x3", [*SMALL, "accuracy=0.1"]))
+    assert len(shares) > 1 and max(shares) < 1e-6
