@@ -10,6 +10,9 @@ a minimum and falls from mesh to mesh:
   refinement has found the change c: ``1 - c / e`` remains, and never less than at these corners. After a grade alone
   the error is also known in two parts (`ngcell.results.parts_of_error`); the smaller of the two is told.
 
+Where one refinement only tells the errors of the mesh before, the stored energy errs by no less than the potential. By
+linear theory it errs by just that where loads or supports alone act, and by less where both do.
+
 No share is taken larger than `MOST_REMAINS`. Another number may stay by accident while the mesh changes: what the
 refinement before told of it falls by no more than the share. By accident it stays once, so that nothing older is
 remembered; a grade alone does not count, and hands on what it kept. The first mesh, on which the load path is followed,
@@ -22,8 +25,8 @@ forces err by no more than they are: what coarser meshes have told of them count
 Which bodies nothing holds may change from mesh to mesh, and with it the walls that a mean gap is taken over: changes
 are those of the walls that are held on the last mesh.
 
-Beside the mesh, the energy errs by contact that is not rigid: by half of forces times overlaps, which is what penalty
-terms store, where no loads act (else see `ngcell.results.softness`). Meshes differ in their penalty, so that potentials
+Beside the mesh, the energy errs by contact that is not rigid: where no loads act by what penalty terms store, half of
+forces times overlaps (else see `ngcell.results.softness`). Meshes differ in their penalty, so that potentials
 are compared as they would be by rigid contact. The energy also errs by what the proximal term still holds; forces, as
 derivatives of the energy along the load, and the utilisation of walls by the same share of themselves, and that of
 supports by what the proximal term takes of it; and gaps, since walls overlap, by the mean overlap under the forces
@@ -173,6 +176,8 @@ def estimate(
     of_energies = _chain(changes, refined, of_last)
     of_gaps = _chain(changes, [how.of_gaps for how in refined], of_last)
     new = {name: (of_gaps if name in _GAPS else of_energies)[name] for name in _TOLD}
+    if not of_last:  # one refinement, in which what loads and supports do may cancel by accident
+        new["energy"] = max(new["energy"], new["potential"])
     at_most = _in_parts(changes, refined) if of_last else {}
     if all(one.stores_nothing for one in found[-2:]):
         told_of = found[-1 if of_last else -2]

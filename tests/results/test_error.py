@@ -197,3 +197,10 @@ def test_a_state_beside_another_errs_by_what_lies_between_too():
     same = errors_beside(errors, found[-1], found[-1])
     assert same == errors
     assert isnan(errors_beside(Errors(), found[-1], below).relative)
+
+
+def test_of_a_mesh_that_one_other_tells_the_stored_energy_errs_by_no_less_than_the_potential():
+    """Between loads and supports its change may vanish."""
+    found = [numbers(2.0), replace(numbers(1.9), energy=1.99)]
+    assert estimate(found, by_order(0.5), of_last=False).energy == pytest.approx(0.2, rel=1e-12)
+    assert estimate(found, by_order(0.5)).energy == pytest.approx(0.01, rel=1e-12)
