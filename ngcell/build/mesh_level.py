@@ -125,7 +125,7 @@ class Level(Generic[Scene]):
                 accepted = replace(accepted, minimum=minimum)
                 problem = mine.problem_of(accepted.phase, only_leads=only_leads)
                 step = replace(coarse, level=coarse.level + 1, simulation=mine, problem=problem, accepted=accepted)
-                return replace(step, errors=Errors(), only_leads=only_leads)
+                return replace(step, errors=Errors(), only_leads=only_leads, began=start)
             _log.info("mesh %d: %s", coarse.level + 1, minimum.ending.value)
         return self._anew(replace(coarse, accepted=accepted))
 

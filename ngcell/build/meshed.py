@@ -9,6 +9,7 @@ from ngcell.build.options import Options
 from ngcell.clock import Clock
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion
+from ngcell.mechanics.term import Array
 from ngcell.problem.problem import Problem
 from ngcell.problem.state import State
 from ngcell.results.equilibrium import Setup, numbers_of
@@ -26,6 +27,10 @@ class Meshed(Problems, Protocol):
     setup: Setup
     space: DisplacementSpace
     motion: PrescribedMotion
+
+    @property
+    def shear_moduli(self) -> Array:
+        """Shear modulus of each element [stress], shape (elements,)."""
 
     def softer_in_bulk(self, count: int) -> tuple[Minimiser, ...]:
         """Return minimisers of walls of smaller bulk moduli, with the first of the last `count` stages of contact."""
@@ -58,6 +63,8 @@ class Refined(Generic[Scene]):
         released from.
     only_leads : bool
         Whether its contact only leads to the one that is meant.
+    began : array of float, shape (unknowns,), optional
+        The displacement of the mesh before, which it began with on its own [length].
     """
 
     level: int
@@ -67,6 +74,7 @@ class Refined(Generic[Scene]):
     errors: Errors
     is_judged: bool
     only_leads: bool = False
+    began: Array | None = None
 
 
 def step_numbers(one: Refined[Scene]) -> Numbers:

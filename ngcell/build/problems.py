@@ -100,6 +100,13 @@ class Problems:
             check_nothing_drifts(self.space, self._terms, self.motion)
 
     @cached_property
+    def shear_moduli(self) -> Array:
+        """Shear modulus of each element [stress], shape (elements,)."""
+        built, filling = self.discretisation, self.bodies.is_filling
+        of_walls = np.array([law.shear_modulus for law in built.walls])[self.bodies.body_of_element]
+        return of_walls if filling is None else np.where(filling, built.solids[-1].shear_modulus, of_walls)
+
+    @cached_property
     def cohesion(self) -> tuple[Term, ...]:
         """What holds walls together, if anything does."""
         if self._case.cohesion is None:

@@ -9,12 +9,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from math import inf
-from typing import Generic
+from typing import Generic, cast
 
 from ngcell.build.mesh_level import Level
 from ngcell.build.meshed import Refined, Scene, step_numbers
 from ngcell.build.stages import Stage, singular_exponent
 from ngcell.errors import CaseError
+from ngcell.problem.state import State
+from ngcell.results.elsewhere import share_elsewhere
 from ngcell.results.error import Errors, Numbers, errors_beside, estimate
 from ngcell.results.parts_of_error import Refining
 from ngcell.solve.step import Accepted
@@ -137,7 +139,7 @@ class Refinement(Generic[Scene]):
         while (finer := self._next(last)) is not None:
             finer, here = self._by_firm_contact(finer)
             found.append(here)
-            refined.append(self._stages[finer.level].refining(self._stages[last.level], self._exponent))
+            refined.append(self._refining(last, finer))
             if not self._stages[finer.level].is_reported:
                 errors = estimate(found, refined, of_last=False)
                 accepted = replace(reported.accepted, effort=finer.accepted.effort)
@@ -215,6 +217,15 @@ class Refinement(Generic[Scene]):
         numbers = self._levels[0].simulation.options.solver.continuation
         share = times * numbers.slid * numbers.sufficient_of_accuracy * self._accuracy
         return led.potential - share * max(abs(led.energy), led.scales[0])
+
+    def _refining(self, coarse: Refined[Scene], finer: Refined[Scene]) -> Refining:
+        """Return how the mesh of a step is finer than the one before."""
+        how = self._stages[finer.level].refining(self._stages[coarse.level], self._exponent)
+        if not how.is_graded_alone or coarse.began is None or not finer.is_judged:
+            return how
+        mine, after = coarse.simulation, cast(State, coarse.accepted.minimum.state).displacement
+        share = share_elsewhere(mine.space, mine.shear_moduli, coarse.began, after, finer.simulation.space)
+        return replace(how, unsplit=share)
 
     @cached_property
     def _exponent(self) -> float:

@@ -30,6 +30,9 @@ class Refining:
         Whether it is graded towards corners once more.
     elsewhere : float
         Smallest share that it may leave of errors elsewhere; 1 where it does nothing there.
+    unsplit : float, optional
+        Of what the refinement before changed, the share in elements that this one, graded alone, leaves as they are;
+        by default it is not known.
     remains_of_gaps : float, optional
         Smallest share of the errors of gaps that it may leave; by default the same.
     """
@@ -38,6 +41,7 @@ class Refining:
     is_graded: bool = False
     elsewhere: float = 0.0
     remains_of_gaps: float | None = None
+    unsplit: float | None = None
 
     @property
     def of_gaps(self) -> Refining:
