@@ -153,7 +153,7 @@ _GAPS = ("mean_gap", "largest_gap")
 _REPORTED = ("utilisation", *ERROR_NAMES)
 _TOLD = ("potential", *_REPORTED)
 #: How often an error that is known in parts, after a grade alone, is told: finest meshes have found up to 1.6 times the
-#: sum of the parts in five tissues, since corners of the outline are not graded across the wall.
+#: sum of the parts, since corners of the outline are not graded across the wall.
 _SURE = 2.0
 
 
