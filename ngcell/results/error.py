@@ -7,9 +7,10 @@ a minimum and falls from mesh to mesh:
 - A higher order lowers the errors of all singularities. What the strongest one lets remain is known; where two orders
   in turn have changed the potential by shares that are larger, that is taken. Gaps have a smaller share.
 - Grading lowers errors at the corners that it is towards, and no others. Of the error e that was told before, the
-  refinement has found the change c: ``1 - c / e`` remains, and never less than at these corners; but no more than
-  twice what they and the elements that are not split leave (`ngcell.results.elsewhere`). After a grade alone the error
-  is also known in two parts (`ngcell.results.parts_of_error`); the smaller of the two is told.
+  refinement has found the change c: ``1 - c / e`` remains, and never less than at these corners; but of the potential
+  no more than twice what they and the elements that are not split leave (`ngcell.results.elsewhere`), and of other
+  numbers as much less. On the meshes after a grade alone the error is also known in two parts
+  (`ngcell.results.parts_of_error`); the smaller of the two is told.
 
 Where one refinement only tells the errors of the mesh before, the stored energy errs by no less than the potential. By
 linear theory it errs by just that where loads or supports alone act, and by less where both do.
@@ -199,9 +200,9 @@ def _chain(changes: Sequence[Mapping[str, float]], refined: Sequence[Refining], 
         alone = {name: change[name] * remains / (1 - share) for name in _TOLD}
         new = {name: max(alone[name], _kept(name, how, share, change, of_before)) for name in _TOLD}
         if of_last and number and how.unsplit is not None:
-            of_others = how.unsplit * refined[number - 1].elsewhere / (1 - refined[number - 1].elsewhere)
-            at_most = _beside_corners(change, changes[number - 1], how.remains / (1 - how.remains), of_others)
-            new |= {name: min(new[name], at_most[name]) for name in at_most}
+            at_most = _beside_corners(change["potential"], changes[number - 1]["potential"], how, refined[number - 1])
+            cut = min(1.0, at_most / new["potential"]) if new["potential"] else 1.0
+            new |= {name: cut * new[name] for name in _TOLD if name not in _GAPS}
         told, changed = new if number else {}, 0.0 if how.is_graded else change["potential"]
         of_before = {} if not number else new if how.is_graded_alone else alone
     return new
@@ -216,16 +217,15 @@ def _kept(
     return max(share * told, by_change)
 
 
-def _beside_corners(
-    change: Mapping[str, float], before: Mapping[str, float], of_corners: float, of_others: float
-) -> dict[str, float]:
-    """Return what energies and forces err by at most after a grade alone.
+def _beside_corners(change: float, before: float, grade: Refining, order: Refining) -> float:
+    """Return what the potential errs by at most after a grade alone, from what it and the order before have changed.
 
-    They err by what the grade leaves at the corners, and by what the order before has left in elements that the grade
-    does not split; the sum is taken `_SURE` times.
+    It errs by what the grade leaves at the corners, and by what the order has left in elements that the grade does not
+    split; the sum is taken `_SURE` times.
     """
-    named = (name for name in _TOLD if name not in _GAPS)
-    return {name: _SURE * (change[name] * of_corners + before[name] * of_others) for name in named}
+    corners = change * grade.remains / (1 - grade.remains)
+    others = before * (grade.unsplit or 0.0) * order.elsewhere / (1 - order.elsewhere)
+    return _SURE * (corners + others)
 
 
 def _in_parts(changes: Sequence[Mapping[str, float]], refined: Sequence[Refining]) -> dict[str, float]:
