@@ -129,32 +129,22 @@ def numbers_of(setup: Setup, problem: Problem, state: State, proximal: Held, to_
     # Pressures all around a body have no resultant.
     force = max(scales.force, float(balance.forces.normal.max(initial=0.0)))
     mean, largest = mean_and_largest(setup.facing, balance.gap, held)
-    of_contact = taken_by_penalty(problem, state)
+    overlap_work = problem.overlap_work(state.at)
     between = sum(term.overlap_work(state.at) for term in problem.terms if term.overlap(state.at) is not None)
     return Numbers(
-        potential=state.energy + of_contact,
+        potential=state.energy + overlap_work / 2,  # without what penalty terms take
         energy=energy,
         plate_force=setup.motion.resultant(balance.nodal.reaction, setup.moved),
         contact_force=balance.forces.total,
         mean_gap=mean,
         largest_gap=largest,
         scales=(scales.energy, force, ONSET * _thinnest(setup, problem)),
-        besides=of_contact + proximal_energy + quadrature_error(problem.terms, state.at) + max(to_fall, 0.0),
+        besides=overlap_work + proximal_energy + quadrature_error(problem.terms, state.at) + max(to_fall, 0.0),
         overlap=between / max(float(balance.forces.normal.sum()), force * _NO_FORCE),
         gaps=gaps_of_pairs(setup.facing, balance.gap, balance.free_bodies),
         utilisation=0.0 if setup.strength is None else setup.strength.utilisation(problem.terms, displacement).largest,
         pulled=float(np.linalg.norm(problem.resultants(pull).sum(0))),
     )
-
-
-def taken_by_penalty(problem: Problem, state: State) -> float:
-    """Return the energy that rigid contact would store more, where no loads act.
-
-    A penalty stores half of forces times overlaps, P. Linear bodies store E with it in series, and P E / (E - P) more
-    without it.
-    """
-    stored, energy = problem.overlap_work(state.at) / 2, state.energy - problem.unstored(state.at)
-    return stored / (1 - stored / energy) if energy > 2 * stored else stored
 
 
 def _thinnest(setup: Setup, problem: Problem) -> float:

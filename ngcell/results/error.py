@@ -27,12 +27,12 @@ forces err by no more than they are: what coarser meshes have told of them count
 Which bodies nothing holds may change from mesh to mesh, and with it the walls that a mean gap is taken over: changes
 are those of the walls that are held on the last mesh.
 
-Beside the mesh, the energy errs by contact that is not rigid: where no loads act by what penalty terms store, half of
-forces times overlaps (else see `ngcell.results.softness`). Meshes differ in their penalty, so that potentials
-are compared as they would be by rigid contact. The energy also errs by what the proximal term still holds; forces, as
-derivatives of the energy along the load, and the utilisation of walls by the same share of themselves, and that of
-supports by what the proximal term takes of it; and gaps, since walls overlap, by the mean overlap under the forces
-between them.
+Beside the mesh, the energy errs by contact that is not rigid, at most by forces times overlaps where no loads act
+(else see `ngcell.results.softness`). Meshes differ in their penalty, so that potentials are compared with what penalty
+terms store once more, as they would be by rigid contact. The energy also errs by what the proximal term still holds;
+forces, as derivatives of the energy along the load, and the utilisation of walls by the same share of themselves, and
+that of supports by what the proximal term takes of it; and gaps, since walls overlap, by the mean overlap under the
+forces between them.
 """
 
 from __future__ import annotations

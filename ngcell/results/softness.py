@@ -1,7 +1,7 @@
 """What a finite penalty takes of the energy where loads act.
 
-With prescribed displacements alone the energy, that of penalty terms included, rises to that of rigid contact by as
-much as these store, and a little more (`ngcell.results.equilibrium.taken_by_penalty`). Loads do work as overlaps go,
+With prescribed displacements alone the energy rises to that of rigid contact by what penalty terms store, and by more
+where they are softer than bodies: by no more than forces times overlaps, twice as much. Loads do work as overlaps go,
 which that says nothing of: there the state of rigid contact itself is compared, to first order.
 """
 
@@ -13,7 +13,6 @@ from math import isfinite
 from ngcell.mechanics.term import Role
 from ngcell.problem.problem import Problem
 from ngcell.problem.state import State
-from ngcell.results.equilibrium import taken_by_penalty
 from ngcell.results.error import Numbers
 
 
@@ -31,5 +30,5 @@ def beside_rigid_contact(numbers: Numbers, problem: Problem, state: State, rigid
     contact = problem.gradient_of_constraints(state) * problem.free
     others = (problem.gradient(rigid) - problem.gradient_of_constraints(rigid)) * problem.free
     squared, left = float(contact @ contact), float((contact + others) @ contact)  # rigid contact balances the others
-    besides = numbers.besides + max(changed - taken_by_penalty(problem, state), 0.0)
+    besides = numbers.besides + max(changed - problem.overlap_work(state.at), 0.0)
     return replace(numbers, besides=besides, stiffer=abs(left) / squared if squared else 0.0)  # 0: all on supports

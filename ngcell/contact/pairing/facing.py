@@ -129,14 +129,17 @@ def _within(walls: Surface, distance: Reach) -> _Points:
     """Return the points that face a body up to a distance [length] on either side.
 
     Their weight falls with the square of the distance, to 0 where they are too far: a sharp end would lie elsewhere
-    with other elements. Facets whose middle touches are taken as a whole.
+    with other elements. Facets whose middle touches are taken as a whole,
+    and none whose middle is too far.
     """
     one, two = near_facets(walls, walls.rest, distance)
     opposite = facing(walls, walls.rest, one, two, _OPPOSITE)
     of_body = np.broadcast_to(distance, walls.thickness.shape)
     facet, body = np.unique(np.column_stack([one, walls.body[two]])[opposite], axis=0).T
     limit = np.minimum(of_body[walls.body[facet]], of_body[body])
-    touches = np.abs(nearest_on_body(walls, walls.rest, walls.centres(walls.rest)[facet], body)) <= _TOUCHING * limit
+    away = np.abs(nearest_on_body(walls, walls.rest, walls.centres(walls.rest)[facet], body))
+    near = away <= limit  # others may touch at a corner
+    facet, body, limit, touches = facet[near], body[near], limit[near], (away <= _TOUCHING * limit)[near]
     count = len(walls.quadrature_points)
     share = np.ones((len(facet), count))
     place = (walls.quadrature_values @ walls.rest)[facet[~touches]].reshape(-1, walls.dimension)
