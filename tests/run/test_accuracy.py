@@ -45,11 +45,11 @@ def failures(step: Step) -> tuple[str, ...]:
 
 
 def test_a_shipped_tissue_is_certified_and_no_further_from_a_finer_one_than_it_says():
-    *_, found = steps("accuracy=0.03")
+    *_, found = steps("accuracy=0.1")
     *_, finer = steps()
     assert found.record.certified and finer.record.certified
     assert all(isfinite(getattr(found.record, f"{name}_error")) for name in ERROR_NAMES)
-    for step, accuracy in ((found, 0.03), (finer, 0.01)):
+    for step, accuracy in ((found, 0.1), (finer, 0.01)):
         record = step.record
         assert record.energy_error < accuracy * record.energy
         assert record.plate_force_error < accuracy * np.hypot(record.plate_force_x, record.plate_force_y)
