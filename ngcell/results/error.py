@@ -8,8 +8,8 @@ a minimum and falls from mesh to mesh:
   in turn have changed the potential by shares that are larger, that is taken. Gaps have a smaller share.
 - Grading lowers errors at the corners that it is towards, and no others. Of the error e that was told before, the
   refinement has found the change c: ``1 - c / e`` remains, and never less than at these corners; but of the potential
-  no more than twice what they and the elements that are not split leave (`ngcell.results.elsewhere`), and of other
-  numbers as much less. On the meshes after a grade alone the error is also known in two parts
+  no more than `SURE` times what they and the elements that are not split leave (`ngcell.results.elsewhere`), and of
+  other numbers as much less. On the meshes after a grade alone the error is also known in two parts
   (`ngcell.results.parts_of_error`); the smaller of the two is told.
 
 Where one refinement only tells the errors of the mesh before, the stored energy errs by no less than the potential. By
@@ -155,7 +155,7 @@ _REPORTED = ("utilisation", *ERROR_NAMES)
 _TOLD = ("potential", *_REPORTED)
 #: How often an error that is known in parts, after a grade alone, is told: finest meshes have found up to 1.6 times the
 #: sum of the parts, since corners of the outline are not graded across the wall.
-_SURE = 2.0
+SURE = 1.75
 
 
 def estimate(
@@ -221,11 +221,11 @@ def _beside_corners(change: float, before: float, grade: Refining, order: Refini
     """Return what the potential errs by at most after a grade alone, from what it and the order before have changed.
 
     It errs by what the grade leaves at the corners, and by what the order has left in elements that the grade does not
-    split; the sum is taken `_SURE` times.
+    split; the sum is taken `SURE` times.
     """
     corners = change * grade.remains / (1 - grade.remains)
     others = before * (grade.unsplit or 0.0) * order.elsewhere / (1 - order.elsewhere)
-    return _SURE * (corners + others)
+    return SURE * (corners + others)
 
 
 def _in_parts(changes: Sequence[Mapping[str, float]], refined: Sequence[Refining]) -> dict[str, float]:
