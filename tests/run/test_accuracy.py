@@ -284,7 +284,8 @@ def test_a_place_has_fewer_digits_on_a_new_mesh(monkeypatch: pytest.MonkeyPatch)
         minimiser = minimisers[0]
         digits = start[minimiser.problem.free] / (minimiser.options.last_digit * minimiser.longest_step)
         if given["path"] is not None:
-            shares.append(float(np.abs(digits / 3 - np.round(digits / 3)).max()))
+            digits = digits / mesh_level._DIGITS
+            shares.append(float(np.abs(digits - np.round(digits)).max()))
         return settled(minimisers, start, **given)
 
     monkeypatch.setattr(mesh_level, "settled", noting)

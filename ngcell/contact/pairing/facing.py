@@ -92,10 +92,9 @@ def find_facing(walls: Surface, tolerance: Reach, reach: Reach = 0.0) -> FacingW
     touching = _facing_ahead(walls, _within(walls, tolerance))
     further = _within(walls, reach) if np.max(reach) > np.min(tolerance) else touching.chosen(slice(0))
     count = int(walls.body.max(initial=0)) + 1
-    known = np.isin(further.pair_numbers(walls, count), touching.pair_numbers(walls, count))
+    known = np.isin(further.bodies(walls) @ [count, 1], touching.bodies(walls) @ [count, 1])
     found = touching.joined(further.chosen(~known))
-    bodies = np.sort(np.column_stack([walls.body[found.facet], found.other]), axis=1)
-    pairs, pair = np.unique(bodies, axis=0, return_inverse=True)
+    pairs, pair = np.unique(found.bodies(walls), axis=0, return_inverse=True)
     pair = pair.ravel()
     place = (walls.quadrature_values @ walls.rest)[found.facet, found.point]
     is_middle = _in_middle_half(2 * pair + (walls.body[found.facet] > found.other), place)
@@ -119,18 +118,16 @@ class _Points:
         mine, theirs = ((one.facet, one.point, one.other, one.weight) for one in (self, others))
         return _Points(*(np.concatenate(both) for both in zip(mine, theirs, strict=True)))
 
-    def pair_numbers(self, walls: Surface, count: int) -> Index:
-        """Return a number for the two bodies of each point."""
-        bodies = np.sort(np.column_stack([walls.body[self.facet], self.other]), axis=1)
-        return np.asarray(bodies @ [count, 1])
+    def bodies(self, walls: Surface) -> Index:
+        """Return the two bodies of each point, the lower number first, shape (points, 2)."""
+        return np.sort(np.column_stack([walls.body[self.facet], self.other]), axis=1)
 
 
 def _within(walls: Surface, distance: Reach) -> _Points:
     """Return the points that face a body up to a distance [length] on either side.
 
     Their weight falls with the square of the distance, to 0 where they are too far: a sharp end would lie elsewhere
-    with other elements. Facets whose middle touches are taken as a whole,
-    and none whose middle is too far.
+    with other elements. Facets whose middle touches are taken as a whole, and none whose middle is too far.
     """
     one, two = near_facets(walls, walls.rest, distance)
     opposite = facing(walls, walls.rest, one, two, _OPPOSITE)
