@@ -14,6 +14,7 @@ from ngcell import __version__
 from ngcell.cli.cases import cases
 from ngcell.cli.check import check
 from ngcell.cli.export_febio import export_febio
+from ngcell.cli.memory import take_small_pages
 from ngcell.cli.report import report
 from ngcell.cli.schema import schema
 from ngcell.cli.solve import solve
@@ -30,6 +31,7 @@ class ErrorAnsweringGroup(click.Group):
 
     def main(self, *arguments: Any, **how: Any) -> Any:
         open_standard_streams()
+        take_small_pages()
         try:
             return super().main(*arguments, **how)
         except OSError as error:

@@ -60,9 +60,12 @@ class DisplacementSpace:
     @cached_property
     def rest(self) -> Array:
         """Reference coordinates as unknowns, shape (dimension, size) [length]."""
-        field = ngsolve.GridFunction(self.scalar)
         points = np.array([vertex.point for vertex in self.mesh.vertices]).T
         rows = np.zeros((self.dimension, self.size))
+        rows[:, : points.shape[1]] = points
+        if self.mesh.GetCurveOrder() <= 1:  # elements are straight: bubbles are none
+            return rows
+        field = ngsolve.GridFunction(self.scalar)
         for row, coordinate in zip(rows, (ngsolve.x, ngsolve.y, ngsolve.z), strict=False):
             field.Set(coordinate)
             row[:] = field.vec.FV().NumPy()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,12 +25,18 @@ class ProximalTerm:
 
     weight: float
     centre: Array
+    _last: list[tuple[Array, sparse.csr_array, Array]] = field(init=False, default_factory=list, repr=False)
 
     def value(self, displacement: Array, metric: sparse.csr_array) -> float:
         """Return the energy."""
-        away = displacement - self.centre
-        return 0.5 * self.weight * float(away @ (metric @ away))
+        return 0.5 * self.weight * float((displacement - self.centre) @ self._pull(displacement, metric))
 
     def gradient(self, displacement: Array, metric: sparse.csr_array) -> Array:
         """Return its gradient, shape (unknowns,); its tangent is `weight` times the metric."""
-        return np.asarray(self.weight * (metric @ (displacement - self.centre)))
+        return self.weight * self._pull(displacement, metric)
+
+    def _pull(self, displacement: Array, metric: sparse.csr_array) -> Array:
+        """Return the gradient of half of the squared distance; energies and gradients are asked for in turns."""
+        if not self._last or self._last[0][0] is not displacement or self._last[0][1] is not metric:
+            self._last[:] = [(displacement, metric, np.asarray(metric @ (displacement - self.centre)))]
+        return self._last[0][2]

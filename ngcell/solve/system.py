@@ -60,18 +60,20 @@ class System:
     ----------
     matrix : CondensedMatrix or IterativeMatrix
         The matrix.
-    bulk : array of int
-        Where the entries of the problem's pattern stand among the values.
+    bulk : array of int or None
+        Where the entries of the problem's pattern stand among the values; None where they are these, in this order.
     metric : Metric
         What the proximal term and damping are multiples of.
     """
 
     matrix: SystemMatrix
-    bulk: Index
+    bulk: Index | None
     metric: Metric
 
     def of_pattern(self, stiffness: Array) -> Array:
-        """Return the values of a matrix from those on the problem's pattern."""
+        """Return the values of a matrix from those on the problem's pattern; a copy."""
+        if self.bulk is None:
+            return stiffness.copy()
         return np.asarray(np.bincount(self.bulk, weights=stiffness, minlength=self.matrix.entry_count), dtype=float)
 
 
@@ -102,7 +104,9 @@ def _system(problem: Problem, matrix_of: Callable[[Index, Index], SystemMatrix])
     row, column, entries = lower_triangle(problem.metric)
     matrix = matrix_of(*(np.concatenate(part) for part in zip(problem.pattern, (row, column), strict=True)))
     metric = Metric(narrowed(matrix.locate(row, column)), narrowed(row), narrowed(column), entries)
-    return System(matrix, narrowed(matrix.locate(*problem.pattern)), metric)
+    bulk = matrix.locate(*problem.pattern)
+    is_all = np.array_equal(bulk, np.arange(matrix.entry_count))
+    return System(matrix, None if is_all else narrowed(bulk), metric)
 
 
 def lower_triangle(matrix: sparse.csr_array) -> tuple[Index, Index, Array]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -130,3 +131,12 @@ def test_live_line_on_a_terminal(monkeypatch: pytest.MonkeyPatch, capsys: pytest
     shown = capsys.readouterr().err
     assert step_line(accepted_step(0, 0.25)) in shown
     assert "building the scene" in shown
+
+
+@pytest.mark.parametrize(("chosen", "taken"), [(None, "0"), ("1", "1")])
+def test_numpy_takes_small_pages_unless_the_user_has_chosen(monkeypatch, chosen, taken):
+    monkeypatch.delenv("NUMPY_MADVISE_HUGEPAGE", raising=False)
+    if chosen is not None:
+        monkeypatch.setenv("NUMPY_MADVISE_HUGEPAGE", chosen)
+    assert CliRunner().invoke(ngcell, ["--version"]).exit_code == 0
+    assert os.environ["NUMPY_MADVISE_HUGEPAGE"] == taken

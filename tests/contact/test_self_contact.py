@@ -10,6 +10,7 @@ from scipy import sparse
 
 from ngcell.build.simulation import Simulation
 from ngcell.contact.methods.self_contact import SelfContact, self_contact_stages
+from ngcell.contact.pairing.lumens import Closing
 from ngcell.contact.surface.find_lumens import find_lumens
 from ngcell.contact.surface.lumens import LumenSurface
 from ngcell.mechanics.term import OneSided, Role, Term
@@ -150,6 +151,55 @@ def test_lumens_of_two_cells_have_nothing_to_do_with_each_other():
     lumens = Lumens(tissue)
     at = tissue.body_translation(1, tissue.lattice.centres[0] - tissue.lattice.centres[1])
     assert lumens.contact.at(at).energy == 0
+
+
+def test_what_was_seen_before_does_not_choose_which_lumens_close():
+    tissue = cell(cells=2)
+    lumens = Lumens(tissue).surface
+    closing, seen = Closing(lumens), []
+    for step in range(40):
+        bend = 0.8 * np.sin(0.4 * step)
+        at = pressed(tissue, bend, seed=step % 3) + tissue.body_translation(1, np.array([5.0, step]))
+        nodes = lumens.nodes(tissue.positions(at))
+        for reach in (0.0, 0.3):
+            mine = closing.lumens(nodes, reach)
+            np.testing.assert_array_equal(mine, Closing(lumens).lumens(nodes, reach))
+            seen.append(mine.tolist())
+    assert [False, False] in seen and any(map(any, seen))
+
+
+def test_nobody_looks_again_at_lumens_that_move_as_rigid_bodies(monkeypatch):
+    tissue = cell(cells=2)
+    lumens, looks = Lumens(tissue).surface, []
+    room_across = LumenSurface.room_across
+    monkeypatch.setattr(LumenSurface, "room_across", lambda *given: looks.append(1) or room_across(*given))
+    closing = Closing(lumens)
+    nodes = lumens.nodes(tissue.positions(tissue.smooth(0.05, 2)))
+    for angle in np.linspace(0, 6, 20):
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        assert not closing.lumens(nodes @ turn + 3 * angle).any()
+    assert len(looks) == 1
+    assert closing.lumens(lumens.rest * np.array([1.0, 0.1])).all()
+    assert len(looks) == 2
+
+
+@pytest.mark.parametrize("flattened", [1.0, 0.6, 0.3])
+def test_room_across_a_lumen_is_that_of_its_nearest_walls(flattened):
+    lumens = Lumens(cell(cells=2, edges=8)).surface
+    nodes = lumens.rest * np.array([1.0, flattened])
+    corners = lumens.rest[lumens.body == 0][:, 0]  # of edges, and points between them
+    corners = corners[np.argsort(np.arctan2(*(corners - corners.mean(0)).T))]
+    ahead = np.roll(corners, -1, axis=0) - corners
+    outline = np.concatenate([corners + share * ahead for share in (0.0, 0.25, 0.5, 0.75)])
+    outline = outline[np.argsort(np.arctan2(*(outline - outline.mean(0)).T))]
+    steps = np.linalg.norm(np.roll(outline, -1, 0) - outline, axis=1)
+    way = np.abs(np.subtract.outer(np.cumsum(steps), np.cumsum(steps)))
+    is_far = np.minimum(way, steps.sum() - way) >= min(6 * WALL, steps.sum() / 4)
+    flat = outline * np.array([1.0, flattened])
+    nearest = np.linalg.norm(flat[:, None] - flat, axis=2)[is_far].min()
+    room = lumens.room_across(lumens.points(nodes), 2.0)
+    np.testing.assert_allclose(room, nearest - WALL, atol=0.05)
+    np.testing.assert_array_equal(lumens.room_across(lumens.points(lumens.rest), 0.1), [0.1, 0.1])
 
 
 def test_lumens_share_nothing_with_outer_walls():

@@ -40,28 +40,29 @@ class LumenPenalty(PenaltyContact):
 
     Parameters
     ----------
-    lumens : LumenSurface
-        The lumens.
+    closing : Closing
+        The lumens, and which of them close.
     stiffness : array of float, shape (edges,)
         Penalty stiffness of each edge [stress / length].
     options : ContactOptions
         The solver's own numbers.
     """
 
-    def __init__(self, lumens: LumenSurface, stiffness: Array, options: ContactOptions = DEFAULT_OPTIONS) -> None:
-        self.lumens, self.closing = lumens, Closing(lumens)
+    def __init__(self, closing: Closing, stiffness: Array, options: ContactOptions = DEFAULT_OPTIONS) -> None:
+        lumens = closing.surface
+        self.lumens, self.closing = lumens, closing
         super().__init__(lumens, stiffness, lumens.thickness, options=options)
 
     def searching(self, points: SurfacePoints) -> LumenSearch:
         """Return the search for contact pairs of points."""
-        return LumenSearch(self.lumens, points, self.reach, self.closing)
+        return LumenSearch(self.closing, points, self.reach)
 
     def couplings(self, positions: Array, margin: float) -> tuple[Index, Index]:
         """Return rows and columns of all scalar unknowns that contact could couple; see `PenaltyContact.couplings`.
 
         They are never none, so that they are asked for again when lumens may have closed.
         """
-        one, two = near_in_closing(self.lumens, self.lumens.nodes(positions), self.reach, margin)
+        one, two = near_in_closing(self.closing, self.lumens.nodes(positions), self.reach, margin)
         count = self.lumens.facet_count
         near = sparse.csr_array((np.ones(len(one)), (one, two)), shape=(count, count))
         touches = self.lumens.touches(positions.shape[1])
@@ -206,7 +207,8 @@ def self_contact_stages(
     modulus = modulus_of_body[lumens.body_of_loop]
     meant = stiffness * options.penalty_multiple
     multiples = [options.path_multiple] * min(count - 1, 1) + [meant] * max(count - 1, 1)
+    closing = Closing(lumens)
     return [
-        SelfContact(LumenPenalty(lumens, penalty_stiffness(lumens, modulus, multiple), options))
+        SelfContact(LumenPenalty(closing, penalty_stiffness(lumens, modulus, multiple), options))
         for multiple in multiples
     ]

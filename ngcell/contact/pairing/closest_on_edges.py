@@ -22,19 +22,21 @@ def nearest_candidates(
     walls: EdgeSurface, nodes: Array, group: Index, facet: Index, point: Array, reach: float | Array
 ) -> Index:
     """Return the candidates whose chord is, up to the edge's sagitta, the nearest of the same part."""
-    part, start = walls.part[facet], nodes[facet, 0]
     chords = nodes[:, -1] - nodes[:, 0]
     lengths2 = np.einsum("pd,pd->p", chords, chords)
-    chord, offset = chords[facet], point - start
-    xi = np.clip(np.einsum("pd,pd->p", offset, chord) / lengths2[facet], 0, 1)
-    distance = np.linalg.norm(offset - xi[:, None] * chord, axis=1)
+    # Column by column: there are many candidates, and rows of two numbers are slow to gather.
+    (x, y), (along, across) = (np.ascontiguousarray(rows.T)[:, facet] for rows in (nodes[:, 0], chords))
+    x, y = point[:, 0] - x, point[:, 1] - y
+    xi = np.minimum(np.maximum((x * along + y * across) / lengths2[facet], 0), 1)
+    x, y = x - xi * along, y - xi * across
+    distance = np.sqrt(x * x + y * y)
     sagitta = _sagittas(nodes, lengths2)[facet]
     near = np.flatnonzero(distance < reach + sagitta)
-    key = group[near] * (part.max() + 1 if len(part) else 1) + part[near]
-    _, member = np.unique(key, return_inverse=True)
-    bound = np.full(member.max() + 1 if len(member) else 0, np.inf)
-    np.minimum.at(bound, member, distance[near] + sagitta[near])
-    return np.asarray(near[distance[near] - sagitta[near] <= bound[member]])
+    part, distance, sagitta = walls.part[facet[near]], distance[near], sagitta[near]
+    found, member = np.unique(group[near] * (part.max(initial=0) + 1) + part, return_inverse=True)
+    bound = np.full(len(found), np.inf)
+    np.minimum.at(bound, member, distance + sagitta)
+    return np.asarray(near[distance - sagitta <= bound[member]])
 
 
 def _sagittas(nodes: Array, lengths2: Array) -> Array:

@@ -62,36 +62,38 @@ class LumenSurface(EdgeSurface):
         ahead = np.minimum(np.einsum("pd,pd->p", normal[one], away), -np.einsum("pd,pd->p", normal[two], away))
         return np.asarray(same & ~is_near & ((ahead > -_BEHIND * distance) | (distance > _FAR * thickness)))
 
-    def closing(self, nodes: Array, reach: float) -> NDArray[np.bool_]:
-        """Return which lumens close: at a corner, or where walls are nearer than the thickness and `reach` [length].
+    def points(self, nodes: Array) -> Array:
+        """Return points along the lumens, loop by loop, shape (points, 2), at deformed nodes (edges, nodes, 2)."""
+        return np.asarray((self.basis.values(self._samples[0]) @ nodes).reshape(-1, 2))
 
-        `nodes` are deformed positions of shape (edges, nodes, 2); the result has shape (loops,).
-        """
-        return self.closing_across(nodes, reach) | self.closing_at_corners(nodes)
+    @cached_property
+    def loop_of_point(self) -> Index:
+        """Lumen of each of these points, increasing."""
+        return np.repeat(self.body, len(self._samples[0]))
 
-    def closing_at_corners(self, nodes: Array) -> NDArray[np.bool_]:
-        """Return which lumens have a corner that closes like a hinge."""
-        share, _ = self._samples
+    def closing_at_corners(self, points: Array) -> NDArray[np.bool_]:
+        """Return which lumens have a corner that closes like a hinge, shape (loops,), where `points` are."""
         one, two, along, at_rest = self._beside_corners
-        point = (self.basis.values(share) @ nodes).reshape(-1, 2)
-        is_near = np.linalg.norm(point[one] - point[two], axis=1) < np.minimum(_HINGE * along, _SHUT * at_rest)
-        loop = np.repeat(self.body, len(share))[one[is_near]]
-        return np.bincount(loop, minlength=len(self.body_of_loop)) > 0
+        is_near = np.linalg.norm(points[one] - points[two], axis=1) < np.minimum(_HINGE * along, _SHUT * at_rest)
+        return np.bincount(self.loop_of_point[one[is_near]], minlength=len(self.body_of_loop)) > 0
 
-    def closing_across(self, nodes: Array, reach: float) -> NDArray[np.bool_]:
-        """Return which lumens close far from corners."""
-        share, places = self._samples
-        point = (self.basis.values(share) @ nodes).reshape(-1, 2)
-        one, two = near_pairs(point, float(self.thickness.max()) + reach)
-        loop = np.repeat(self.body, len(share))[one]
-        same = loop == np.repeat(self.body, len(share))[two]
-        one, two, loop = one[same], two[same], loop[same]
-        along = np.abs(places[one] - places[two])
-        along = np.minimum(along, self._length[loop] - along)
-        thickness = self.thickness[loop]
-        is_across = along >= np.minimum(_ALONG * thickness, _QUARTER * self._length[loop])
-        is_near = np.linalg.norm(point[one] - point[two], axis=1) < thickness + reach
-        return np.bincount(loop[is_across & is_near], minlength=len(self.body_of_loop)) > 0
+    def room_across(self, points: Array, most: float) -> Array:
+        """Return by how much walls far from corners are farther from each other than the thickness, shape (loops,).
+
+        Lumens with more room than `most` [length] have that.
+        """
+        chosen, thickness = self._evenly, self.thickness
+        point, loop, places = points[chosen], self.loop_of_point[chosen], self._samples[1][chosen]
+        reach = float(thickness.max()) + most
+        side_by_side = np.outer(loop * (np.ptp(point[:, 0]) + 2 * reach), [1.0, 0.0])  # so that no two loops are near
+        one, two = near_pairs(point + side_by_side, reach)
+        of, along = loop[one], np.abs(places[one] - places[two])
+        along = np.minimum(along, self._length[of] - along)
+        is_across = along >= np.minimum(_ALONG * thickness[of], _QUARTER * self._length[of])
+        one, two, of = one[is_across], two[is_across], of[is_across]
+        room = np.full(len(self.body_of_loop), most)
+        np.minimum.at(room, of, np.linalg.norm(point[one] - point[two], axis=1) - thickness[of])
+        return room
 
     @cached_property
     def neighbours(self) -> Index:
@@ -175,18 +177,18 @@ class LumenSurface(EdgeSurface):
     def _beside_corners(self) -> tuple[Index, Index, Array, Array]:
         """Samples on both sides of each corner, each with each, the ways along the loop between them, and their
         distances at rest [length]."""
-        share, places = self._samples
-        loop = np.repeat(self.body, len(share))
+        loop, places = self.loop_of_point, self._samples[1]
         pairs = [np.zeros((0, 2), dtype=np.int64)]
         for corner in np.flatnonzero(self._has_corner_before):
-            mine, around = np.flatnonzero(loop == self.body[corner]), self._length[self.body[corner]]
+            of, around = self.body[corner], self._length[self.body[corner]]
+            mine = np.arange(*np.searchsorted(loop, [of, of + 1]))
             ahead = (places[mine] - self._start[corner]) % around
-            ways = self.thickness[self.body[corner]] * np.array(_BESIDE)
+            ways = self.thickness[of] * np.array(_BESIDE)
             after, before = (mine[np.abs(way - ways[:, None]).argmin(1)] for way in (ahead, around - ahead))
             pairs.append(np.stack(np.meshgrid(before, after), axis=-1).reshape(-1, 2))
         one, two = np.concatenate(pairs).T
         along = (places[two] - places[one]) % self._length[loop[one]]
-        point = (self.basis.values(share) @ self.rest).reshape(-1, 2)
+        point = self.points(self.rest)
         return one, two, along, np.linalg.norm(point[one] - point[two], axis=1)
 
     @cached_property
@@ -196,3 +198,11 @@ class LumenSurface(EdgeSurface):
         share = (np.arange(count) + 0.5) / count
         along = np.where(self.side[:, None] > 0, share, 1 - share)
         return share, (self._start[:, None] + along * self._lengths[:, None]).ravel()
+
+    @cached_property
+    def _evenly(self) -> Index:
+        """Some of these points, no farther apart on short edges than on long ones: increasing numbers."""
+        most, needed = len(self._samples[0]), np.ceil(self._lengths / (_SPACING * self.thickness[self.body]))
+        rank = (np.arange(most) + 0.5) / needed[:, None]
+        edge, _ = np.nonzero(rank < 1)
+        return np.asarray(edge * most + (rank[rank < 1] * most).astype(np.int64))

@@ -21,7 +21,8 @@ def sampled(space: ngsolve.H1, elements: Sequence[ngsolve.comp.Ngs_Element], bas
     """
     size = len(basis.nodes)
     dofs = np.array([space.GetDofNrs(element) for element in elements], dtype=np.int64)
-    nodal = np.array([_shapes(space, element, basis.nodes.reshape(size, -1)) for element in elements])
+    places, shapes = basis.nodes.reshape(size, -1), dict[tuple[object, ...], Array]()
+    nodal = np.array([_shapes(space, element, places, shapes) for element in elements])
     return dofs.reshape(-1, size), nodal.reshape(-1, size, size)
 
 
@@ -34,6 +35,13 @@ def measured(mesh: ngsolve.Mesh, numbers: Index) -> tuple[Array, Array, NDArray[
     return volume, np.array(centre).reshape(-1, mesh.dim), is_simplex
 
 
-def _shapes(space: ngsolve.H1, element: ngsolve.comp.Ngs_Element, nodes: Array) -> Array:
-    shape = space.GetFE(ngsolve.ElementId(ngsolve.BND, element.nr)).CalcShape
-    return np.array([np.asarray(shape(*node)).ravel() for node in nodes])
+def _shapes(
+    space: ngsolve.H1, element: ngsolve.comp.Ngs_Element, nodes: Array, known: dict[tuple[object, ...], Array]
+) -> Array:
+    """Return shape functions' values at nodes; they are the same on elements with vertices in the same order."""
+    numbers = [vertex.nr for vertex in element.vertices]
+    order = element.type, *sorted(range(len(numbers)), key=numbers.__getitem__)
+    if order not in known:
+        shape = space.GetFE(ngsolve.ElementId(ngsolve.BND, element.nr)).CalcShape
+        known[order] = np.array([np.asarray(shape(*node)).ravel() for node in nodes])
+    return known[order]
