@@ -53,6 +53,8 @@ class BodyEnergy(SymbolicTerm):
         the elements allow it.
     """
 
+    remembers = True
+
     def __init__(
         self,
         space: DisplacementSpace,

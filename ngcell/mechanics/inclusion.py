@@ -38,6 +38,8 @@ class InclusionEnergy(SymbolicTerm):
         Degrees that the rule of the isochoric part integrates exactly besides the usual ones.
     """
 
+    remembers = True
+
     def __init__(self, space: DisplacementSpace, law: HyperelasticLaw, *, extra_degrees: int = 0) -> None:
         self.space, self.law, self._extra = space, law, extra_degrees
 

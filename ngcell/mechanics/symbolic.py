@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from ngcell.mechanics.last_found import LastFound
 from ngcell.mechanics.space import DisplacementSpace, csr_matrix
 from ngcell.mechanics.term import Configuration, Index, Term
 
@@ -74,9 +75,17 @@ class EnergyForm:
         The unknowns.
     integrals : callable
         Returns the integrals of a displacement, an NGSolve function.
+    remembers : bool
+        Whether nothing but the displacement changes them, so that the last energy and gradient may be told again.
     """
 
-    def __init__(self, space: DisplacementSpace, integrals: Callable[[ngsolve.CoefficientFunction], Integrals]) -> None:
+    def __init__(
+        self,
+        space: DisplacementSpace,
+        integrals: Callable[[ngsolve.CoefficientFunction], Integrals],
+        *,
+        remembers: bool = False,
+    ) -> None:
         self._unknowns = space.unknowns
         self._form = ngsolve.BilinearForm(space.vector, symmetric=True)
         for integral in integrals(space.vector.TrialFunction()):
@@ -84,13 +93,17 @@ class EnergyForm:
         self._state = ngsolve.GridFunction(space.vector).vec
         self._force = self._state.CreateVector()
         self._is_assembled = False
+        self._energy, self._gradient = LastFound[float](remembers), LastFound[Array](remembers)
 
     def energy(self, displacement: Array) -> float:
         """Return the energy; NaN where an element is inverted."""
-        return float(self._form.Energy(self._at(displacement)))
+        return self._energy.of(displacement, lambda: float(self._form.Energy(self._at(displacement))))
 
     def gradient(self, displacement: Array) -> Array:
         """Return its gradient, shape (unknowns,)."""
+        return self._gradient.of(displacement, lambda: self._applied(displacement)).copy()
+
+    def _applied(self, displacement: Array) -> Array:
         with _in_parallel():
             self._form.Apply(self._at(displacement), self._force)
         return np.array(self._force.FV().NumPy())
@@ -133,9 +146,12 @@ class SymbolicTerm(Term):
     ----------
     space : DisplacementSpace
         The unknowns.
+    remembers : bool
+        Whether nothing but the displacement changes the integrals: no parameter, no load factor.
     """
 
     space: DisplacementSpace
+    remembers: bool = False
     _formed: tuple[Rule, EnergyForm] | None = None
     _finer: tuple[Rule, SymbolicTerm | None] | None = None
 
@@ -165,7 +181,7 @@ class SymbolicTerm(Term):
     def form(self) -> EnergyForm:
         """The term by itself, by its present rule."""
         if self._formed is None or self._formed[0] != self.rule:
-            self._formed = (self.rule, EnergyForm(self.space, self.integrals))
+            self._formed = (self.rule, EnergyForm(self.space, self.integrals, remembers=self.remembers))
         return self._formed[1]
 
     @property
@@ -211,7 +227,7 @@ class SymbolicSum(SymbolicTerm):
 
     def __init__(self, parts: Sequence[SymbolicTerm]) -> None:
         self.parts = tuple(parts)
-        self.space = parts[0].space
+        self.space, self.remembers = parts[0].space, all(part.remembers for part in parts)
 
     def integrals(self, displacement: ngsolve.CoefficientFunction) -> Integrals:
         """Return the integrals of all parts."""
