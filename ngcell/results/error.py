@@ -12,8 +12,7 @@ a minimum and falls from mesh to mesh:
   other numbers as much less. On the meshes after a grade alone the error is also known in two parts
   (`ngcell.results.parts_of_error`); the smaller of the two is told.
 
-Where one refinement only tells the errors of the mesh before, the stored energy errs by no less than the potential. By
-linear theory it errs by just that where loads or supports alone act, and by less where both do.
+Where one refinement only tells the errors of the mesh before, see `ngcell.results.one_refinement`.
 
 No share is taken larger than `MOST_REMAINS`. Another number may stay by accident while the mesh changes: what the
 refinement before told of it falls by no more than the share. By accident it stays once, so that nothing older is
@@ -46,6 +45,7 @@ from numpy.typing import NDArray
 
 from ngcell.mechanics.report import Check
 from ngcell.results.gaps_of_pairs import GapsOfPairs
+from ngcell.results.one_refinement import at_least
 from ngcell.results.parts_of_error import MOST_REMAINS, Refining, error_in_parts
 
 Array = NDArray[np.float64]
@@ -181,8 +181,10 @@ def estimate(
     of_energies = _chain(changes, refined, of_last)
     of_gaps = _chain(changes, [how.of_gaps for how in refined], of_last)
     new = {name: (of_gaps if name in _GAPS else of_energies)[name] for name in _TOLD}
-    if not of_last:  # one refinement, in which what loads and supports do may cancel by accident
-        new["energy"] = max(new["energy"], new["potential"])
+    if not of_last:
+        before = found[-2]
+        forces = {name: getattr(before, name) for name in ("plate_force", "contact_force")}
+        new = at_least(new, max(abs(before.energy), before.scales[0]), forces, (before.gaps, found[-1].gaps))
     at_most = _in_parts(changes, refined) if of_last else {}
     if all(one.stores_nothing for one in found[-2:]):
         told_of = found[-1 if of_last else -2]

@@ -47,6 +47,13 @@ class GapsOfPairs:
         mean = float(self.integral[chosen].sum()) / length if length else 0.0
         return mean, float(self.largest[chosen].max(initial=0.0))
 
+    def moved_from(self, before: GapsOfPairs) -> float:
+        """Return the mean over held pairs of what their gaps have changed by [length]; 0 where pairs differ."""
+        length = float(self.length[self.is_held].sum())
+        if not length or not np.array_equal(self.bodies, before.bodies):
+            return 0.0
+        return float(np.abs(self.integral - before.integral)[self.is_held].sum()) / length
+
     def over_those_of(self, other: GapsOfPairs) -> tuple[float, float] | None:
         """Return mean and largest gap of the pairs that are held in another state; None if pairs differ."""
         return self.mean_and_largest(other.is_held) if np.array_equal(self.bodies, other.bodies) else None
