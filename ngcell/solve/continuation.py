@@ -35,6 +35,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.solve.balanced import balanced, in_balance
 from ngcell.solve.continuation_options import ContinuationOptions
 from ngcell.solve.foreseen import with_foreseen_multipliers
 from ngcell.solve.minimise import Minimiser
@@ -218,7 +219,7 @@ def rested(minimiser: Minimiser, minimum: Minimum, path: Continuation, lowest: f
             minimum, _ = minimised(minimiser, place, held, 0.0, name, enough, lowest=lowest, is_settled=True)
         if minimum.ending is Ending.NO_DESCENT and last.decrement <= nothing:
             minimum = last
-    return replace(minimum, to_fall=to_fall)
+    return replace(in_balance(minimiser, minimum, path.scale, options), to_fall=to_fall)
 
 
 def _pull(minimiser: Minimiser, minimum: Minimum, weight: float, options: ContinuationOptions) -> float:
@@ -254,7 +255,7 @@ def until_conditions_hold(
         helpless = was_increased and missed > before / 2 and is_nothing
         is_met = missed <= met or helpless
         if is_met and not minimiser.problem.take_finer_rule(minimum.state):
-            return minimum if helpless else _balanced(minimiser, minimum, energy, options, name)
+            return minimum if helpless else balanced(minimiser, minimum, energy, options, name)
         _log.info("conditions missed by %.1e%s", missed, "; a finer quadrature rule follows" if is_met else "")
         was_increased = not is_met and missed > options.slow * before
         if was_increased:
@@ -275,19 +276,6 @@ def until_conditions_hold(
         if cycles and most is not None and minimiser.effort.iterations - spent > most:
             break
     return replace(minimum, ending=Ending.CONDITIONS_MISSED)
-
-
-def _balanced(
-    minimiser: Minimiser, minimum: Minimum, energy: float, options: ContinuationOptions, name: float
-) -> Minimum:
-    """Return the minimum by the last multipliers, where their update has pushed it farther than a last minimisation
-    may leave it: fluids that hardly store energy press by some 1e-6 of the forces more."""
-    enough = options.refined * minimiser.problem.magnitude(minimum.state)
-    if energy <= enough:
-        return minimum
-    start = minimum.state.displacement
-    found, _ = minimised(minimiser, start, minimum.proximal, 0.0, name, enough, options.cycling)
-    return found if found.is_found else minimum
 
 
 def _met(minimiser: Minimiser, minimum: Minimum, length: float, share: float) -> float:

@@ -34,6 +34,8 @@ class ContinuationOptions:
         Decrement of the last minimisation as a share of the energy: 1e-12 left forces 2.9e-6 out of balance, and does
         not tell which cells nothing holds; and the shares of what suffices whose square it is on meshes that only lead,
         and before multipliers are updated to the end: with a decrement fifty times as large walls slide during updates.
+    unbalanced : float
+        Share of the forces in bodies that may be left out of balance in the end: half of what a certificate allows.
     allowed, allowed_of_accuracy : float, float
         Pull that is allowed in a result, as a share of the largest force on a body; and that over the accuracy that is
         asked for, nine tenths of what the certificate allows.
@@ -95,6 +97,7 @@ class ContinuationOptions:
     refined: float = 1e-16
     leading: float = 0.02
     unmet: float = 0.2
+    unbalanced: float = 5e-7
     allowed: float = 0.0
     allowed_of_accuracy: float = 0.09
     only_leads: bool = False
