@@ -30,8 +30,8 @@ def out_of_balance(minimiser: Minimiser, minimum: Minimum) -> float:
 def in_balance(minimiser: Minimiser, minimum: Minimum, scale: float, options: ContinuationOptions) -> Minimum:
     """Return a minimum whose forces are balanced as far as a certificate asks, and farther than a decrement tells.
 
-    Decrements are as the squares of forces. Where last digits let none be found, and at kinks, the minimum stays as it is. `scale`
-    [stress / length**2] is that of the weight of the proximal term.
+    Decrements are as the squares of forces. Where last digits let none be found, and at kinks, the minimum stays as it
+    is. `scale` [stress / length**2] is that of the weight of the proximal term.
     """
     if minimum.ending is not Ending.CONVERGED or (left := out_of_balance(minimiser, minimum)) <= options.unbalanced:
         return minimum
