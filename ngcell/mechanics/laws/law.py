@@ -36,7 +36,8 @@ class FibreLaw(Protocol):
 class HyperelasticLaw(Protocol):
     """A hyperelastic solid.
 
-    It is hashable, and laws that are equal share one symbolic energy.
+    It is hashable, and laws that are equal share one symbolic energy. That depends on the deformation alone: energies
+    at the last displacement are remembered, and a parameter that a script changes during a run would not be seen.
     """
 
     @property
