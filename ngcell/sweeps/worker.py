@@ -18,6 +18,8 @@ from ngcell.sweeps.ending import Ending
 from ngcell.sweeps.task import RESULT, Result, Task
 
 _PROGRAM = "import sys; from ngcell.sweeps.case_run import serve; serve(sys.argv[1])"
+#: What Python, the standard library of C++ and OpenBLAS say where they get no memory.
+_NO_MEMORY = ("MemoryError", "bad_alloc", "Memory allocation")
 #: One thread for each library: as many runs as cores share the machine.
 _ONE_THREAD = {
     name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")
@@ -88,7 +90,7 @@ def died(task: Task, ending: Ending, detail: str, seconds: float = 0.0) -> Resul
 
 def _how_it_died(code: int, last_line: str) -> tuple[Ending, str]:
     """Return what ended a process, by its code and the last line of its errors."""
-    lacks_memory = "MemoryError" in last_line or "bad_alloc" in last_line
+    lacks_memory = any(word in last_line for word in _NO_MEMORY)
     name = signal.Signals(-code).name if code < 0 else f"code {code}"
     hint = " (as systems do that run out of memory)" if name == "SIGKILL" else ""
     said = f": {last_line}" if last_line else ""
