@@ -13,7 +13,7 @@ import numpy as np
 from ngcell.solve.continuation_options import ContinuationOptions
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Ending, Minimum
-from ngcell.solve.recentred import minimised
+from ngcell.solve.recentred import energy_of_nothing, minimised
 
 _log = logging.getLogger(__name__)
 
@@ -30,10 +30,14 @@ def out_of_balance(minimiser: Minimiser, minimum: Minimum) -> float:
 def in_balance(minimiser: Minimiser, minimum: Minimum, scale: float, options: ContinuationOptions) -> Minimum:
     """Return a minimum whose forces are balanced as far as a certificate asks, and farther than a decrement tells.
 
-    Decrements are as the squares of forces. Where last digits let none be found, and at kinks, the minimum stays as it
-    is. `scale` [stress / length**2] is that of the weight of the proximal term.
+    Decrements are as the squares of forces. Where last digits let none be found, at kinks, and where nothing is
+    strained, the minimum stays as it is. `scale` [stress / length**2] is that of the weight of the proximal term.
     """
-    if minimum.ending is not Ending.CONVERGED or (left := out_of_balance(minimiser, minimum)) <= options.unbalanced:
+    is_strained = minimiser.problem.magnitude(minimum.state) > energy_of_nothing(minimiser, options)
+    if minimum.ending is not Ending.CONVERGED or not is_strained:
+        return minimum
+    left = out_of_balance(minimiser, minimum)
+    if left <= options.unbalanced:
         return minimum
     _log.info("forces are out of balance by %.1e", left)
     place, held = minimum.state.displacement, minimum.proximal

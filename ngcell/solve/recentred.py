@@ -44,7 +44,7 @@ def recentred(
     for _ in range(options.most_recentred):
         state, name = minimiser.problem.at(place), proximal.weight / scale  # contact may have adapted
         energy = state.energy
-        sufficient = max(options.sufficient * minimiser.problem.magnitude(state), _nothing(minimiser, options))
+        sufficient = max(options.sufficient * minimiser.problem.magnitude(state), energy_of_nothing(minimiser, options))
         enough = options.update * sufficient
         minimum, _ = minimised(minimiser, place, proximal, 0.0, name, enough, lowest=lowest, is_settled=is_settled)
         if not minimum.is_found:
@@ -80,7 +80,7 @@ def at_rest(
     The proximal term holds bodies where they are, by `weight` times `scale`.
     """
     proximal = ProximalTerm(scale * weight, minimum.state.displacement)
-    enough = share * max(minimiser.problem.magnitude(minimum.state), _nothing(minimiser, options))
+    enough = share * max(minimiser.problem.magnitude(minimum.state), energy_of_nothing(minimiser, options))
     settled = not options.only_leads  # what only leads may still be on its way between branches
     found, _ = minimised(minimiser, proximal.centre, proximal, 0.0, weight, enough, lowest=lowest, is_settled=settled)
     return replace(found, to_fall=minimum.to_fall)
@@ -120,7 +120,7 @@ def minimised(
     return minimum, spent
 
 
-def _nothing(minimiser: Minimiser, options: ContinuationOptions) -> float:
+def energy_of_nothing(minimiser: Minimiser, options: ContinuationOptions) -> float:
     """Return the energy that is told from nothing no more."""
     return options.hardly_strained**2 * minimiser.energy_scale
 
