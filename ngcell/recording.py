@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import os
 import platform
 import sys
 from collections.abc import Callable, Iterator
@@ -26,18 +25,16 @@ from ngcell.build.verification import check_has_penalty, finer_result, stiffer_r
 from ngcell.clock import Clock, OutOfTime
 from ngcell.errors import CaseError, NotConverged
 from ngcell.export import Restart, ResultFolder, cannot_resume
-from ngcell.mechanics.symbolic import assembly_threads
 from ngcell.results.record import StepRecord
 from ngcell.results.report import StepReport
 from ngcell.results.verdict import with_error
 from ngcell.scene import AnyCase, BodyScene, resolved_toml
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.step import StepFailed
+from ngcell.threads import available_cores, threads
 
 _log = logging.getLogger(__name__)
 
-#: Below this number of unknowns a second thread costs more than it saves.
-_UNKNOWNS_FOR_THREADS = 50_000
 #: True once: what the process has taken before its first run are imports.
 _IS_FIRST = iter((True,))
 #: The outcome of a run that converged elsewhere than its case expects.
@@ -159,7 +156,7 @@ class Recording:
             simulation = self._additions.simulation(self._case, clock)
             checkpoint = self._checkpoint(simulation)
             outcome, message, verified = None, "", dict[str, Any]()
-            with use_threads(self._options.threads, simulation.space.unknowns):
+            with use_threads(self._options.threads):
                 try:
                     for step in simulation.accepted_steps(checkpoint):
                         with clock.phase("output"):
@@ -276,20 +273,11 @@ def _seconds(clock: Clock, wall: float, processor: float) -> dict[str, Any]:
     return {"on_the_clock": wall, "processor": processor, "processor_by_phase": dict(clock.seconds)}
 
 
-def available_cores() -> int:
-    """Return the number of cores that this process may use."""
-    if sys.platform == "linux":
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
-
-
 @contextmanager
-def use_threads(asked: int | None, unknowns: int) -> Iterator[None]:
-    """Let NGSolve assemble by more than one thread where that pays; no digit depends on it, see
-    `ngcell.mechanics.symbolic`."""
+def use_threads(asked: int | None) -> Iterator[None]:
+    """Let NGSolve use more than one thread where that pays, see `ngcell.threads`."""
     cores = available_cores()
     if asked is not None and asked > cores:
         _log.warning("%d threads were asked for; %d run, one for each core that this process may use", asked, cores)
-    count = 1 if unknowns < _UNKNOWNS_FOR_THREADS else min(asked or cores, cores)
-    with threadpool_limits(1, user_api="blas"), assembly_threads(count):
+    with threadpool_limits(1, user_api="blas"), threads(min(asked or cores, cores)):
         yield

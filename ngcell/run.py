@@ -67,7 +67,7 @@ def simulate(
     simulation = Additions(terms, observables, strategy, options).simulation(scene)
     steps: list[Step] = []
     try:
-        with use_threads(None, simulation.space.unknowns):
+        with use_threads(None):
             for step in simulation.accepted_steps():
                 steps.append(step)
     except StepFailed as failure:

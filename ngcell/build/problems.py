@@ -29,7 +29,7 @@ from ngcell.contact.pairing.near import Reach
 from ngcell.contact.surface.find import find_lumen_surface, find_surface
 from ngcell.contact.surface.lumens import LumenSurface
 from ngcell.mechanics.space import DisplacementSpace
-from ngcell.mechanics.symbolic import fused
+from ngcell.mechanics.symbolic_sum import fused
 from ngcell.mechanics.term import Term
 from ngcell.problem.problem import Problem
 from ngcell.problem.tie import Tie, tie_walls

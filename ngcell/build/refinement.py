@@ -251,7 +251,5 @@ class Refinement(Generic[Scene]):
             return None
         is_reported, phase = self._stages[coarse.level + 1].is_reported, coarse.accepted.phase
         only_leads = is_reported and phase != "tied" and level.has_multipliers
-        finer = level.settled(coarse, only_leads=only_leads, is_finished_later=is_reported)
-        if finer is not None:
-            self._levels[coarse.level].release()
-        return finer
+        self._levels[coarse.level].release()
+        return level.settled(coarse, only_leads=only_leads, is_finished_later=is_reported)

@@ -51,6 +51,7 @@ class DisplacementSpace:
         self.vector = ngsolve.VectorH1(bodies.mesh, order=order)
         self.size = self.scalar.ndof
         self.dimension = bodies.dimension
+        self._metric: tuple[float, sparse.csr_array] | None = None
 
     @property
     def unknowns(self) -> int:
@@ -108,6 +109,13 @@ class DisplacementSpace:
         form += ngsolve.grad(trial) * ngsolve.grad(test) * ngsolve.dx
         form.Assemble()
         return csr_matrix(form.mat)
+
+    def metric_of_one(self, length: float) -> sparse.csr_array:
+        """Return the matrix of one component's square and of that of its gradient times a length [length**dimension].
+        """
+        if self._metric is None or self._metric[0] != length:
+            self._metric = length, self.scalar_mass + length**2 * self.scalar_slopes
+        return self._metric[1]
 
     def region_unknowns(self, region: str | ngsolve.Region) -> NDArray[np.int64]:
         """Return the scalar unknowns on a boundary region, or on those that a regular expression names."""

@@ -2,22 +2,12 @@
 
 Assembling one form of many integrals costs a single loop over the elements; so the sum of terms puts all symbolic ones
 together. Each can also be evaluated by itself, with a form of its own.
-
-Which sums may use threads
---------------------------
-A nearly symmetric tissue chooses between equilibria by the last digits of sums, so a number of threads must not change
-these. Compared bit by bit on 2592 and on 12 753 unknowns, one thread against two, over repeats: NGSolve's gradient
-(`Apply`) and tangent (`AssembleLinearization`) never differ, since elements of one colour share no unknown and colours
-follow each other in the same order. The energy (`Energy`, one sum that threads share) differs by 7e-18 of 0.047, the
-Cholesky factor and its solutions (updates in the order in which threads finish) by 1e-18 to 2e-17 of 1e-3. So threads
-are used here, for gradient and tangent, and nowhere else: a run has the same bits with any number of them.
 """
 
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable
 from functools import cached_property
 from typing import Any
 
@@ -29,41 +19,11 @@ from scipy import sparse
 from ngcell.mechanics.last_found import LastFound
 from ngcell.mechanics.space import DisplacementSpace, csr_matrix
 from ngcell.mechanics.term import Configuration, Index, Term
+from ngcell.threads import in_parallel
 
 Array = NDArray[np.float64]
 Integrals = Iterable[ngsolve.comp.SumOfIntegrals]
 Rule = tuple[int, ...]
-
-
-class _Threads:
-    """How many threads assemble."""
-
-    count = 1
-
-
-@contextmanager
-def assembly_threads(count: int) -> Iterator[None]:
-    """Let gradients and tangents be assembled by so many threads, which changes no digit of them."""
-    ngsolve.SetNumThreads(1)
-    before, _Threads.count = _Threads.count, count
-    try:
-        yield
-    finally:
-        _Threads.count = before
-
-
-@contextmanager
-def _in_parallel() -> Iterator[None]:
-    """Let NGSolve use all threads; outside it has one, since its Cholesky factor starts threads by itself."""
-    if _Threads.count == 1:
-        yield
-        return
-    ngsolve.SetNumThreads(_Threads.count)
-    try:
-        with ngsolve.TaskManager():
-            yield
-    finally:
-        ngsolve.SetNumThreads(1)
 
 
 class EnergyForm:
@@ -104,7 +64,7 @@ class EnergyForm:
         return self._gradient.of(displacement, lambda: self._applied(displacement)).copy()
 
     def _applied(self, displacement: Array) -> Array:
-        with _in_parallel():
+        with in_parallel(self._unknowns):
             self._form.Apply(self._at(displacement), self._force)
         return np.array(self._force.FV().NumPy())
 
@@ -112,24 +72,30 @@ class EnergyForm:
         """Return its second derivative, shape (unknowns, unknowns)."""
         return csr_matrix(self._assembled(displacement))
 
-    @cached_property
+    @property
     def pattern(self) -> tuple[Index, Index]:
         """Rows and columns of the lower triangle of the tangent."""
-        matrix = csr_matrix(self._form.mat if self._is_assembled else self._assembled(np.zeros(self._unknowns)))
-        row = np.repeat(np.arange(matrix.shape[0], dtype=np.int32), np.diff(matrix.indptr))
-        column = matrix.indices.astype(np.int32)
-        self._lower = row >= column
+        row, column = self._entries()
         return row[self._lower], column[self._lower]
+
+    def _entries(self) -> tuple[Index, Index]:
+        matrix = self._form.mat if self._is_assembled else self._assembled(np.zeros(self._unknowns))
+        _, column, pointer = (np.asarray(part) for part in matrix.CSR())
+        row = np.repeat(np.arange(matrix.height, dtype=np.int32), np.diff(pointer.astype(np.int64)).astype(np.int64))
+        return row, column.astype(np.int32)
+
+    @cached_property
+    def _lower(self) -> NDArray[np.bool_]:
+        row, column = self._entries()
+        return row >= column
 
     def lower_tangent(self, displacement: Array) -> Array:
         """Return the second derivative on `pattern`."""
-        matrix = self._assembled(displacement)
-        _ = self.pattern
-        values: Array = np.asarray(matrix.CSR()[0])[self._lower]
+        values: Array = np.asarray(self._assembled(displacement).CSR()[0])[self._lower]
         return values
 
     def _assembled(self, displacement: Array) -> ngsolve.la.BaseMatrix:
-        with _in_parallel():
+        with in_parallel(self._unknowns):
             self._form.AssembleLinearization(self._at(displacement))
         self._is_assembled = True
         return self._form.mat
@@ -184,6 +150,10 @@ class SymbolicTerm(Term):
             self._formed = (self.rule, EnergyForm(self.space, self.integrals, remembers=self.remembers))
         return self._formed[1]
 
+    def release(self) -> None:
+        """Give the memory of the form back."""
+        self._formed = None
+
     @property
     def finer_degrees(self) -> int:
         """Degrees that the rule by which the present one is judged integrates exactly besides the usual ones."""
@@ -216,39 +186,6 @@ class SymbolicTerm(Term):
         return self.form.lower_tangent(at.displacement)
 
 
-class SymbolicSum(SymbolicTerm):
-    """Symbolic terms with one form.
-
-    Parameters
-    ----------
-    parts : sequence of SymbolicTerm
-        The terms, at least one.
-    """
-
-    def __init__(self, parts: Sequence[SymbolicTerm]) -> None:
-        self.parts = tuple(parts)
-        self.space, self.remembers = parts[0].space, all(part.remembers for part in parts)
-
-    def integrals(self, displacement: ngsolve.CoefficientFunction) -> Integrals:
-        """Return the integrals of all parts."""
-        return [integral for part in self.parts for integral in part.integrals(displacement)]
-
-    @property
-    def rule(self) -> Rule:
-        """The rules of all parts."""
-        return tuple(extra for part in self.parts for extra in part.rule)
-
-    def beyond_integrals(self, displacement: Array) -> Array | None:
-        """Return what the gradients of the parts have besides."""
-        found = [part.beyond_integrals(displacement) for part in self.parts]
-        given = [force for force in found if force is not None]
-        return sum(given[1:], start=given[0]) if given else None
-
-    def unstored(self, at: Configuration) -> float:
-        """Return what is not stored in bodies."""
-        return sum(part.unstored(at) for part in self.parts)
-
-
 class OwnEnergy(SymbolicTerm):
     """An energy that a script adds: integrals of the displacement, as NGSolve expressions.
 
@@ -277,18 +214,3 @@ class OwnEnergy(SymbolicTerm):
 def more_degrees(space: DisplacementSpace) -> int:
     """Return by how many degrees a finer rule is exact beyond the usual one."""
     return 2 * space.order + 2
-
-
-def parts_of(terms: Sequence[Any]) -> tuple[Any, ...]:
-    """Return terms with those that are one put apart again."""
-    return tuple(part for term in terms for part in (term.parts if isinstance(term, SymbolicSum) else (term,)))
-
-
-def fused(terms: Sequence[Term]) -> tuple[Term, ...]:
-    """Return terms with the same sum, in which all symbolic ones are one term, the first; it is left as it is if it is.
-    """
-    symbolic = [term for term in terms if isinstance(term, SymbolicTerm)]
-    others = tuple(term for term in terms if not isinstance(term, SymbolicTerm))
-    if len(symbolic) == 1 and isinstance(symbolic[0], SymbolicSum):
-        return (symbolic[0], *others)
-    return (SymbolicSum(parts_of(symbolic)), *others) if symbolic else others

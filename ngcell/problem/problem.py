@@ -17,13 +17,15 @@ from scipy import sparse
 
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.stored import StoredEnergy
-from ngcell.mechanics.symbolic import SymbolicTerm, fused, parts_of
+from ngcell.mechanics.symbolic import SymbolicTerm
+from ngcell.mechanics.symbolic_sum import fused, parts_of
 from ngcell.mechanics.term import NO_ENTRIES, Configuration, Drive, OneSided, Role, Term
+from ngcell.problem.of_components import OfComponents
 from ngcell.problem.reports import deepest_overlap
 from ngcell.problem.rotation import finite_rotation_update
 from ngcell.problem.state import Linearisation, State
 from ngcell.problem.stored import stored_by
-from ngcell.problem.sums import folded, total, whole_gradient
+from ngcell.problem.sums import folded, joined, together, total, whole_gradient
 from ngcell.problem.tie import Tie
 from ngcell.problem.unknowns import OwnUnknowns, TiedUnknowns, UnknownMap
 
@@ -67,17 +69,14 @@ class Problem:
         return np.tile(self.space.body_of_unknown, self.dimension)
 
     @cached_property
-    def metric(self) -> sparse.csr_array:
+    def metric(self) -> OfComponents:
         """Metric of displacements: their squares, and those of gradients times the squared diameter of a body."""
-        return self._of_all_components(self.space.scalar_mass + (2 * self._length) ** 2 * self.space.scalar_slopes)
+        return OfComponents(self.space.metric_of_one(2 * self._length), self.dimension, self.unknowns)
 
     @cached_property
-    def mass(self) -> sparse.csr_array:
+    def mass(self) -> OfComponents:
         """Mass matrix, shape (unknowns, unknowns); the metric of curvatures."""
-        return self._of_all_components(self.space.scalar_mass)
-
-    def _of_all_components(self, of_one: sparse.csr_array) -> sparse.csr_array:
-        return self.unknowns.fold_matrix(sparse.block_diag([of_one] * self.dimension, format="csr"))
+        return OfComponents(self.space.scalar_mass, self.dimension, self.unknowns)
 
     def configuration(self, displacement: Array) -> Configuration:
         """Return where all bodies are with this displacement."""
@@ -133,8 +132,7 @@ class Problem:
         at = state.at
         gradient = self.unknowns.gather(total(term.gradient(at) for term in self._sum))
         tangents = [tangent for term in self._sum if len(tangent := term.tangent(at))]
-        _ = self.pattern  # with the factors of entries that stand on it several times
-        stiffness = tangents[0] if len(tangents) == 1 else np.concatenate([np.zeros(0), *tangents])
+        stiffness = joined(*tangents) if tangents else np.zeros(0)
         if self._factors is not None:
             stiffness = stiffness * self._factors
         curvature = folded(self.unknowns, (term.curvature(at) for term in self._sum))
@@ -149,20 +147,8 @@ class Problem:
     def _constraints(self, at: Configuration) -> OneSided:
         """Return the constraints of all terms; keys of different terms differ."""
         given = [(number, term.constraints(at)) for number, term in enumerate(self._sum)]
-        found = [(number, constraints) for number, constraints in given if constraints is not None]
-        keys = [len(self._sum) * part.keys + number for number, part in found]
-        if len(found) == 1:
-            return replace(found[0][1], keys=keys[0])
-        nothing = np.zeros(0)
-        lowered = [np.full(len(part.gap), np.nan) if part.lowered is None else part.lowered for _, part in found]
-        rows = [sparse.csr_array((0, self.space.unknowns)), *(part.jacobian for _, part in found)]
-        return OneSided(
-            np.concatenate([nothing, *(part.gap for _, part in found)]),
-            sparse.vstack(rows, format="csr"),
-            np.concatenate([nothing, *(part.penalty for _, part in found)]),
-            np.concatenate([nothing.astype(np.int64), *keys]),
-            np.concatenate([nothing, *lowered]),
-        )
+        found = [(number, part) for number, part in given if part is not None]
+        return together([replace(part, keys=len(self._sum) * part.keys + number) for number, part in found], at)
 
     def gaps(self, state: State) -> tuple[Index, Array]:
         """Return the keys of the constraints of a state, increasing, and their gaps."""
@@ -174,13 +160,20 @@ class Problem:
         order = np.argsort(keys, kind="stable")
         return keys[order], gap[order]
 
-    @cached_property
+    @property
     def pattern(self) -> tuple[Index, Index]:
         """Rows and columns of the lower triangle that `Linearisation.stiffness` fills, with repetitions."""
+        return self._folded_pattern()[:2]
+
+    @cached_property
+    def _factors(self) -> NDArray[Any] | None:
+        """The factors of entries that stand on the pattern several times; None where all are 1."""
+        return self._folded_pattern()[2]
+
+    def _folded_pattern(self) -> tuple[Index, Index, NDArray[Any] | None]:
         parts = [pattern for term in self._sum if len((pattern := term.pattern)[0])] or [NO_ENTRIES]
-        row, column = parts[0] if len(parts) == 1 else (np.concatenate(part) for part in zip(*parts, strict=True))
-        row, column, self._factors = self.unknowns.fold(row, column)
-        return row, column
+        row, column = zip(*parts, strict=True)
+        return self.unknowns.fold(joined(*row), joined(*column))
 
     def couplings(self, state: State, margin: float) -> tuple[Index, Index]:
         """Return entries of the lower triangle that constraints could fill while no move exceeds half of `margin`."""
@@ -278,6 +271,12 @@ class Problem:
         at = self.configuration(displacement)
         for term in self.terms:
             term.accept(at)
+
+    def release(self) -> None:
+        """Give memory back that is filled anew when it is needed."""
+        for term in self._sum:
+            if isinstance(term, SymbolicTerm):
+                term.release()
 
     def reset(self) -> None:
         """Let terms forget all accepted states."""

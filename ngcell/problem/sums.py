@@ -2,24 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import reduce
 from operator import add
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ngcell.mechanics.term import Configuration, Term
+from ngcell.mechanics.term import Configuration, OneSided, Term
 from ngcell.problem.unknowns import UnknownMap
 
 Array = NDArray[np.float64]
+Number = TypeVar("Number", bound=np.generic)
 
 
 def whole_gradient(term: Term, at: Configuration) -> Array:
     """Return the gradient of a term with that of its constraints, shape (unknowns,)."""
     constraints = term.constraints(at)
     return term.gradient(at) if constraints is None else term.gradient(at) + constraints.gradient
+
+
+def joined(*parts: NDArray[Number]) -> NDArray[Number]:
+    """Return arrays as one; one alone as it is, not as a copy."""
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def total(parts: Iterable[Array]) -> Array:
@@ -31,3 +38,19 @@ def folded(unknowns: UnknownMap, matrices: Iterable[sparse.coo_array | None]) ->
     """Return the sum of symmetric matrices in the unknowns that are solved for; None if there are none."""
     found = [matrix for matrix in matrices if matrix is not None]
     return unknowns.fold_curvature(reduce(add, found)) if found else None
+
+
+def together(found: Sequence[OneSided], at: Configuration) -> OneSided:
+    """Return constraints with different keys as one."""
+    if len(found) == 1:
+        return found[0]
+    nothing = np.zeros(0)
+    lowered = [np.full(len(part.gap), np.nan) if part.lowered is None else part.lowered for part in found]
+    rows = [sparse.csr_array((0, len(at.displacement))), *(part.jacobian for part in found)]
+    return OneSided(
+        np.concatenate([nothing, *(part.gap for part in found)]),
+        sparse.vstack(rows, format="csr"),
+        np.concatenate([nothing, *(part.penalty for part in found)]),
+        np.concatenate([nothing.astype(np.int64), *(part.keys for part in found)]),
+        np.concatenate([nothing, *lowered]),
+    )

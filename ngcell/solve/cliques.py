@@ -18,6 +18,10 @@ Index = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 
+#: Rows that are summed up at once: few enough that what is needed on the way takes no memory to speak of.
+_AT_ONCE = 2**14
+
+
 @dataclass(frozen=True, eq=False)
 class Cliques:
     """Cliques of the same sizes.
@@ -95,9 +99,14 @@ def _both_triangles(lower: sparse.csr_array) -> sparse.csr_array:
 
 def _same_neighbours(pattern: sparse.csr_array) -> tuple[Index, Index]:
     """Return the group of each unknown, the same for those with the same neighbours, and the first one of each."""
-    label = np.random.default_rng(0).integers(2**64, size=pattern.shape[0], dtype=np.uint64)
-    total = np.concatenate([np.zeros(1, dtype=np.uint64), np.cumsum(label[pattern.indices])])
-    _, first, group = np.unique(np.diff(total[pattern.indptr]), return_index=True, return_inverse=True)
+    size = pattern.shape[0]
+    label = np.random.default_rng(0).integers(2**64, size=size, dtype=np.uint64)
+    total = np.zeros(size, dtype=np.uint64)
+    for row in range(0, size, _AT_ONCE):
+        start = pattern.indptr[row : row + _AT_ONCE + 1]
+        summed = np.cumsum(label[pattern.indices[start[0] : start[-1]]])
+        total[row : row + _AT_ONCE] = np.diff(np.append(np.uint64(0), summed)[start - start[0]])
+    _, first, group = np.unique(total, return_index=True, return_inverse=True)
     return group.astype(np.int64), first.astype(np.int64)
 
 

@@ -48,11 +48,12 @@ class Elimination:
 
     def __init__(self, whole: SymmetricMatrix, free: Mask, touched: Mask, bodies: Bodies | None) -> None:
         lower, size = whole.lower_pattern, whole.size
-        row = np.repeat(np.arange(size), np.diff(lower.indptr))
+        row = np.repeat(np.arange(size, dtype=np.int32), np.diff(lower.indptr))
         inside = free[row] & free[lower.indices]
         pointer = np.concatenate([[0], np.cumsum(np.bincount(row[inside], minlength=size))])
         of_free = sparse.csr_array((lower.data[inside], lower.indices[inside], pointer), shape=lower.shape)
         self.cliques = find_cliques(of_free, free & ~touched)
+        del inside, of_free  # as large as all that is kept
         self.is_kept = is_kept = np.ones(size, dtype=bool)
         for cliques in self.cliques:
             is_kept[cliques.inside] = False

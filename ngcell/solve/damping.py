@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ngcell.solve.options import MinimiserOptions
+from ngcell.solve.problem import SymmetricOperator
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -32,7 +33,7 @@ class Damper:
 
     Parameters
     ----------
-    metric : csr_array, shape (unknowns, unknowns)
+    metric : SymmetricOperator, shape (unknowns, unknowns)
         What damping is a multiple of.
     part : array of int, shape (unknowns,)
         Body of each unknown.
@@ -40,7 +41,7 @@ class Damper:
         The numbers of the method.
     """
 
-    metric: sparse.csr_array
+    metric: SymmetricOperator
     part: Index
     options: MinimiserOptions
 

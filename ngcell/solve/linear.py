@@ -18,8 +18,14 @@ import pyngcore
 from numpy.typing import NDArray
 from scipy import sparse
 
+from ngcell.threads import in_parallel
+
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+
+
+#: Entries that are looked for at once: few enough that what is needed on the way takes no memory to speak of.
+_AT_ONCE = 2**20
 
 
 class PatternError(Exception):
@@ -41,17 +47,19 @@ class SymmetricMatrix:
 
     def __init__(self, size: int, free: NDArray[np.bool_], rows: Index, columns: Index) -> None:
         self.size = size
-        keys = np.sort(rows.astype(np.int64) * size + columns, kind="stable")  # it merges the few runs of patterns
-        self._keys = keys[np.diff(keys, prepend=-1) > 0]
-        row, column = self.entries
-        pointer = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=size))])
-        column, pointer = column.astype(np.int32), pointer.astype(np.int32)  # half of the memory of wider ones
-        self._lower = sparse.csr_array((np.zeros(len(row)), column, pointer), shape=(size, size))
-        self._upper = self._lower.T  # shares the values
-        self._diagonal = np.flatnonzero(row == column)
+        keys = rows.astype(np.int64) * size
+        keys += columns
+        keys.sort(kind="stable")  # it merges the few runs of patterns
+        is_first = np.ones(len(keys), dtype=bool)
+        np.not_equal(keys[1:], keys[:-1], out=is_first[1:])
+        self._keys = keys[is_first]
+        del keys, is_first  # they are as large as all that is kept
+        row, self._columns = self.entries
+        self._pointer = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=size))]).astype(np.int32)
+        self._diagonal = np.flatnonzero(row == self._columns)
         self._diagonal_rows = row[self._diagonal]
         self._free = free
-        self._loaded: Array | None = None
+        self._loaded: tuple[Array, sparse.csr_array, sparse.csc_array] | None = None
 
     @property
     def entry_count(self) -> int:
@@ -61,19 +69,22 @@ class SymmetricMatrix:
     @property
     def entries(self) -> tuple[Index, Index]:
         """Rows and columns of the pattern, in the order of values."""
-        row, column = np.divmod(self._keys, self.size)
-        return row, column
+        row = self._keys // self.size
+        return row.astype(np.int32), (self._keys - self.size * row).astype(np.int32)  # half of the memory of wider ones
 
     @property
     def lower_pattern(self) -> sparse.csr_array:
         """The pattern, shape (size, size); its data are the positions of entries in the array of values."""
-        lower = self._lower
-        return sparse.csr_array((np.arange(self.entry_count), lower.indices, lower.indptr), shape=lower.shape)
+        return self._with(np.arange(self.entry_count, dtype=np.int32))
+
+    def _with(self, values: NDArray[Any]) -> sparse.csr_array:
+        """Return the lower triangle with these values."""
+        return sparse.csr_array((values, self._columns, self._pointer), shape=(self.size, self.size))
 
     @cached_property
     def _factor(self) -> Factor:
         """Made when it is needed for the first time."""
-        return Factor(self._lower, self._free)
+        return Factor(self.lower_pattern, self._free)
 
     def locate(self, rows: Index, columns: Index) -> Index:
         """Return the positions of entries in the array of values.
@@ -83,10 +94,13 @@ class SymmetricMatrix:
         PatternError
             If an entry is not part of the pattern.
         """
-        position, is_there = self.find(rows, columns)
-        if not is_there.all():
-            raise PatternError
-        return position
+        positions: Index = np.empty(len(rows), dtype=np.int32)
+        for first in range(0, len(rows), _AT_ONCE):
+            part = slice(first, first + _AT_ONCE)
+            positions[part], is_there = self.find(rows[part], columns[part])
+            if not is_there.all():
+                raise PatternError
+        return positions
 
     def find(self, rows: Index, columns: Index) -> tuple[Index, NDArray[np.bool_]]:
         """Return the positions of entries, and whether they are part of the pattern."""
@@ -111,10 +125,12 @@ class SymmetricMatrix:
 
     def multiply(self, values: Array, vector: Array) -> Array:
         """Return the product of the symmetric matrix with these values and a vector."""
-        if values is not self._loaded:
-            self._lower.data[:] = self._loaded = values
-        product = self._lower @ vector + self._upper @ vector
-        product[self._diagonal_rows] -= self._lower.data[self._diagonal] * vector[self._diagonal_rows]
+        if self._loaded is None or values is not self._loaded[0]:
+            lower = self._with(values)
+            self._loaded = values, lower, lower.T  # shares the values
+        _, lower, upper = self._loaded
+        product = lower @ vector + upper @ vector
+        product[self._diagonal_rows] -= values[self._diagonal] * vector[self._diagonal_rows]
         return np.asarray(product)
 
 
@@ -143,10 +159,11 @@ class Factor:
     def update(self, values: Array) -> None:
         """Factorise the matrix with these values."""
         self._values[:] = values
-        if self._inverse is None:
-            self._inverse = self._matrix.Inverse(self._free, "sparsecholesky")
-        else:
-            self._inverse.Update()
+        with in_parallel(self._matrix.height):
+            if self._inverse is None:
+                self._inverse = self._matrix.Inverse(self._free, "sparsecholesky")
+            else:
+                self._inverse.Update()
 
     @cached_property
     def few(self) -> int:
@@ -162,7 +179,8 @@ class Factor:
         """Return the solution; 0 in rows that are not free."""
         self._right.FV().NumPy()[:] = right
         assert self._inverse is not None  # `update` has made one
-        self._inverse.Mult(self._right, self._left)
+        with in_parallel(self._matrix.height):
+            self._inverse.Mult(self._right, self._left)
         return np.array(self._left.FV().NumPy())
 
 

@@ -142,8 +142,7 @@ class Minimiser:
     def foresee(self, displacement: Array, imposed: Array, weight: float) -> Array:
         """Return what `predict` does, with walls that open and close as the linearised gaps of all near ones say.
 
-        Where the displacement is no equilibrium, as where bodies overlap at rest, it stays so: what is out of balance
-        does not count.
+        Where the displacement is no equilibrium, as where bodies overlap at rest, what is out of balance stays so.
         """
         jump, model, matrix = self._jump(displacement, imposed, weight)
         driven = matrix.multiply(model.stiffness, jump) - model.pulled(model.penalty * np.minimum(model.gap, 0))
@@ -179,16 +178,17 @@ class Minimiser:
             self.assembly.make_system(self._at(displacement))
 
     def adopt_matrix(self, other: Minimiser) -> None:
-        """Take over the matrix of a minimiser that has the same unknowns and bodies, if there is none yet."""
+        """Take over a matrix of the same unknowns and bodies, if there is none yet."""
         self.assembly.adopt(other.assembly)
 
     def forget_matrix(self) -> None:
-        """Make the next matrix anew, so that its order of elimination tells nothing of earlier minimisations."""
+        """Make the next matrix anew: its order of elimination tells nothing of earlier ones."""
         self.assembly.forget()
 
     def release_matrix(self) -> None:
-        """Give the memory of the matrix back."""
+        """Give the memory of the matrix back, and what the problem can do without."""
         self.assembly.release()
+        self.problem.release()
 
     @property
     def is_iterative(self) -> bool:

@@ -13,6 +13,16 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 
+class SymmetricOperator(Protocol):
+    """A symmetric matrix, such as `scipy.sparse.csr_array`, that may be held in a shorter form."""
+
+    def __matmul__(self, vector: Array, /) -> Array:
+        """Return the product with a vector."""
+
+    def tocsr(self) -> sparse.csr_array:
+        """Return all of its entries."""
+
+
 class State(Protocol):
     """A point with its energy; whatever else the problem needs to know about it."""
 
@@ -89,11 +99,11 @@ class Problem(Protocol):
         """Body of each unknown: what unknowns of different bodies have in common are constraints and ties only."""
 
     @property
-    def metric(self) -> sparse.csr_array:
+    def metric(self) -> SymmetricOperator:
         """Metric of displacements, shape (unknowns, unknowns): the proximal term and damping are multiples of it."""
 
     @property
-    def mass(self) -> sparse.csr_array:
+    def mass(self) -> SymmetricOperator:
         """Mass matrix, shape (unknowns, unknowns): the metric of curvatures."""
 
     @property
@@ -102,6 +112,9 @@ class Problem(Protocol):
 
     def at(self, displacement: Array) -> State:
         """Return the state with this displacement."""
+
+    def release(self) -> None:
+        """Give memory back that is filled anew when it is needed."""
 
     def overlap(self, state: Any) -> float:
         """Return the deepest overlap of bodies over the thickness of the thinner one."""

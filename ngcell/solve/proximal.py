@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
+
+from ngcell.solve.problem import SymmetricOperator
 
 Array = NDArray[np.float64]
 
@@ -25,17 +26,17 @@ class ProximalTerm:
 
     weight: float
     centre: Array
-    _last: list[tuple[Array, sparse.csr_array, Array]] = field(init=False, default_factory=list, repr=False)
+    _last: list[tuple[Array, SymmetricOperator, Array]] = field(init=False, default_factory=list, repr=False)
 
-    def value(self, displacement: Array, metric: sparse.csr_array) -> float:
+    def value(self, displacement: Array, metric: SymmetricOperator) -> float:
         """Return the energy."""
         return 0.5 * self.weight * float((displacement - self.centre) @ self._pull(displacement, metric))
 
-    def gradient(self, displacement: Array, metric: sparse.csr_array) -> Array:
+    def gradient(self, displacement: Array, metric: SymmetricOperator) -> Array:
         """Return its gradient, shape (unknowns,); its tangent is `weight` times the metric."""
         return self.weight * self._pull(displacement, metric)
 
-    def _pull(self, displacement: Array, metric: sparse.csr_array) -> Array:
+    def _pull(self, displacement: Array, metric: SymmetricOperator) -> Array:
         """Return the gradient of half of the squared distance; energies and gradients are asked for in turns."""
         if not self._last or self._last[0][0] is not displacement or self._last[0][1] is not metric:
             self._last[:] = [(displacement, metric, np.asarray(metric @ (displacement - self.centre)))]

@@ -20,11 +20,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.options import StabilityOptions
+from ngcell.solve.problem import SymmetricOperator
 
 Array = NDArray[np.float64]
 
@@ -138,7 +138,7 @@ def modes_as_low(
     from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh  # few runs need it
 
     weight, free = -options.farther * lowest.curvature, minimiser.problem.free
-    solve, mass = minimiser.stiffened(minimum, weight), minimiser.problem.mass[free][:, free]
+    solve, mass = minimiser.stiffened(minimum, weight), minimiser.problem.mass.tocsr()[free][:, free]
     count = min(options.most_modes, mass.shape[0] - 1)
 
     def solved(force: Array) -> Array:
@@ -205,7 +205,7 @@ def _pattern(size: int) -> Array:
 
 
 def _lanczos(
-    solve: Callable[[Array], Array], mass: sparse.csr_array, free: NDArray[np.bool_], options: StabilityOptions
+    solve: Callable[[Array], Array], mass: SymmetricOperator, free: NDArray[np.bool_], options: StabilityOptions
 ) -> tuple[float, Array, int]:
     """Return the extreme eigenvalue of ``(K + s M)^-1 M``, the most negative or else the largest, with its vector.
 
@@ -214,19 +214,17 @@ def _lanczos(
     """
     vector = np.where(free, _pattern(len(free)), 0.0)
     norm = float(np.sqrt(vector @ (mass @ vector)))
-    basis: list[Array] = []
-    weighed: list[Array] = []
+    basis, weighed = np.empty((2, options.rounds, len(free)))  # rows that are not reached take no memory
     small = np.zeros((options.rounds + 1, options.rounds + 1))
     for count in range(1, options.rounds + 1):
-        vector = vector / norm
-        basis.append(vector)
-        weighed.append(np.where(free, mass @ vector, 0.0))
-        vector = solve(weighed[-1])
-        small[count - 1, count - 1] = vector @ weighed[-1]
-        known, duals = np.array(basis), np.array(weighed)
+        known, duals = basis[:count], weighed[:count]
+        known[-1] = vector / norm
+        duals[-1] = np.where(free, mass @ known[-1], 0.0)
+        vector = solve(duals[-1])
+        small[count - 1, count - 1] = vector @ duals[-1]
         for _ in range(2):
             vector = vector - known.T @ (duals @ vector)
-        norm = float(np.sqrt(max(vector @ (mass @ vector), 0.0)))
+        norm = float(np.sqrt(max(float(vector @ (mass @ vector)), 0.0)))
         small[count - 1, count] = small[count, count - 1] = norm
         values, vectors = np.linalg.eigh(small[:count, :count])
         pick = 0 if values[0] < -options.lost * np.abs(values).max() else count - 1

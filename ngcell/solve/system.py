@@ -7,13 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
 from ngcell.solve.cliques import narrowed
 from ngcell.solve.coarse import Bodies
 from ngcell.solve.condensed import CondensedMatrix
 from ngcell.solve.iterative import IterativeMatrix
-from ngcell.solve.problem import Problem
+from ngcell.solve.problem import Problem, SymmetricOperator
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -101,17 +100,16 @@ def iterative_system(problem: Problem) -> System:
 
 def _system(problem: Problem, matrix_of: Callable[[Index, Index], SystemMatrix]) -> System:
     """Return a matrix with room for all entries, and where they stand."""
-    row, column, entries = lower_triangle(problem.metric)
-    matrix = matrix_of(*(np.concatenate(part) for part in zip(problem.pattern, (row, column), strict=True)))
-    metric = Metric(narrowed(matrix.locate(row, column)), narrowed(row), narrowed(column), entries)
-    bulk = matrix.locate(*problem.pattern)
+    (row, column, entries), pattern = lower_triangle(problem.metric), problem.pattern
+    matrix = matrix_of(*map(np.concatenate, zip(pattern, (row, column), strict=True)))
+    metric, bulk = Metric(matrix.locate(row, column), row, column, entries), matrix.locate(*pattern)
     is_all = np.array_equal(bulk, np.arange(matrix.entry_count))
-    return System(matrix, None if is_all else narrowed(bulk), metric)
+    return System(matrix, None if is_all else bulk, metric)
 
 
-def lower_triangle(matrix: sparse.csr_array) -> tuple[Index, Index, Array]:
+def lower_triangle(matrix: SymmetricOperator) -> tuple[Index, Index, Array]:
     """Return rows, columns and values of the lower triangle."""
-    found = matrix.tocoo()
-    row, column = (index.astype(np.int64) for index in found.coords)
-    lower = row >= column
-    return row[lower], column[lower], found.data[lower]
+    found = matrix.tocsr()
+    row = np.repeat(np.arange(found.shape[0], dtype=found.indices.dtype), np.diff(found.indptr))
+    lower = row >= found.indices
+    return narrowed(row[lower]), narrowed(found.indices[lower]), found.data[lower]

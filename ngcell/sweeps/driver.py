@@ -18,12 +18,12 @@ from typing import Any
 from uuid import uuid4
 
 from ngcell.errors import OutputError
-from ngcell.recording import available_cores
 from ngcell.sweeps.ending import Ending
 from ngcell.sweeps.extra import needed
 from ngcell.sweeps.patience import next_ended
 from ngcell.sweeps.task import OTHER_CODE, Result, Task
 from ngcell.sweeps.worker import died
+from ngcell.threads import available_cores
 
 #: What a worker does with a task.
 Function = Callable[[Task], Result]

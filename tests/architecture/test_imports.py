@@ -19,20 +19,21 @@ IDS = [str(module.relative_to(PACKAGE)) for module in MODULES]
 
 #: Rooms in their order: each may import those named before it, besides itself.
 ORDER = (
-    "errors", "clock", "scene", "geometry", "mechanics", "contact", "problem", "results", "build", "export",
+    "errors", "clock", "threads", "scene", "geometry", "mechanics", "contact", "problem", "results", "build", "export",
     "report", "recording", "run", "ensemble", "sweeps", "cli",
 )  # fmt: skip
 
 #: Rooms that may import less: what they do not name they cannot come to depend on.
 NARROW = {
     "clock": set(),
+    "threads": set(),
     "scene": {"errors"},
     "geometry": {"errors", "scene"},
     "export": {"errors", "scene", "results"},
     # The report tells what folders hold, and by which version.
     "report": {"errors", "scene", "results", "export", "__version__"},
     # The solver knows a problem by protocol only, and of scenes what sections of cases are made of.
-    "solve": {"errors", "clock", "scene"},
+    "solve": {"errors", "clock", "threads", "scene"},
     # The command line hands on what a case says, and shows what came of it.
     "cli": {"errors", "scene", "results", "export", "report", "recording", "run", "ensemble", "sweeps", "__version__"},
     # The table of contents names what it offers to type checkers; at run time it imports on demand.

@@ -126,12 +126,12 @@ def result(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_no_more_threads_run_than_there_are_cores(monkeypatch, caplog):
     started: list[int] = []
-    monkeypatch.setattr(recording, "assembly_threads", lambda count: nullcontext(started.append(count)))
+    monkeypatch.setattr(recording, "threads", lambda count: nullcontext(started.append(count)))
     monkeypatch.setattr(recording, "available_cores", lambda: 1)
-    for asked, unknowns in ((100_000, 10**6), (1, 10**6), (None, 10), (None, 10**6)):
-        with recording.use_threads(asked, unknowns):
+    for asked in (100_000, 1, None):
+        with recording.use_threads(asked):
             pass
-    assert started == [1, 1, 1, 1]
+    assert started == [1, 1, 1]
     assert caplog.messages == ["100000 threads were asked for; 1 run, one for each core that this process may use"]
     monkeypatch.undo()
     assert recording.available_cores() == len(os.sched_getaffinity(0))

@@ -7,7 +7,7 @@ import pytest
 
 from ngcell.mechanics.bulk import BodyEnergy
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
-from ngcell.mechanics.symbolic import SymbolicSum
+from ngcell.mechanics.symbolic_sum import SymbolicSum
 from ngcell.results.jacobian import smallest_jacobian
 from tests.mechanics.test_hyperelastic import stored_energy
 from tests.tissues import LAW, SmallTissue, small_tissue

@@ -17,7 +17,8 @@ from ngcell.mechanics.laws.custom import CustomLaw
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion
-from ngcell.mechanics.symbolic import EnergyForm, SymbolicSum
+from ngcell.mechanics.symbolic import EnergyForm
+from ngcell.mechanics.symbolic_sum import SymbolicSum
 from ngcell.results.jacobian import smallest_jacobian
 from ngcell.scene import CellPressure, MeshChoice, Pressure, Tissue
 

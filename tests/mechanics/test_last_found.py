@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from ngcell.mechanics.last_found import LastFound
-from ngcell.mechanics.symbolic import OwnEnergy, SymbolicSum
+from ngcell.mechanics.symbolic import OwnEnergy
+from ngcell.mechanics.symbolic_sum import SymbolicSum
 from tests.tissues import small_tissue
 
 

@@ -19,7 +19,7 @@ from ngcell.mechanics.bulk import BodyEnergy
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
-from ngcell.mechanics.symbolic import SymbolicSum
+from ngcell.mechanics.symbolic_sum import SymbolicSum
 from ngcell.scene import BodyForce, Pressure, Traction
 
 LAW = MooneyRivlin(c1=0.7, c2=0.3, bulk_modulus=20.0)

@@ -19,7 +19,7 @@ from ngcell.mechanics.bulk import BodyEnergy
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
-from ngcell.mechanics.symbolic import fused
+from ngcell.mechanics.symbolic_sum import fused
 from ngcell.problem.problem import Problem
 from ngcell.results.forces import ContactForces, contact_forces
 from ngcell.scene.bodies import BodyScene, BodySupport

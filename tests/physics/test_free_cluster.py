@@ -13,7 +13,7 @@ from ngcell.geometry.sections import ring_mesh
 from ngcell.mechanics.applied.potential import AppliedLoads
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion
-from ngcell.mechanics.symbolic import fused
+from ngcell.mechanics.symbolic_sum import fused
 from ngcell.problem.problem import Problem
 from ngcell.results.forces import contact_forces
 from ngcell.scene import Pressure

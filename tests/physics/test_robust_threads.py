@@ -8,15 +8,15 @@ import numpy as np
 
 from ngcell.build.checkpoint import Checkpoint
 from ngcell.build.simulation import Simulation
-from ngcell.mechanics.symbolic import assembly_threads
 from ngcell.scene import read_case
+from ngcell.threads import threads
 
 _CASES = Path(__file__).parents[2] / "cases"
 
 
-def _first_state(threads: int) -> np.ndarray:
+def _first_state(count: int) -> np.ndarray:
     """Displacement of the first step of a tissue whose cells choose sides by last digits."""
-    with assembly_threads(threads):
+    with threads(count):
         simulation = Simulation(read_case(_CASES / "shear-empty-3x3.toml", ["accuracy=inf"]))
         return next(simulation.follow(Checkpoint())).minimum.state.displacement
 

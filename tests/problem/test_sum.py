@@ -315,7 +315,7 @@ def test_the_metric_measures_displacements_and_their_gradients_over_the_diameter
     space, gradient, by = tissue.space, np.array([[0.1, 0.2], [0.3, -0.4]]), (1.0, 2.0)
     everywhere = space.affine(gradient, np.array(by)).ravel()
     of_all = sparse.block_diag([space.scalar_mass] * 2, format="csr")
-    moved, *_ = np.linalg.lstsq(problem.mass.toarray(), problem.unknowns.gather(of_all @ everywhere))
+    moved, *_ = np.linalg.lstsq(problem.mass.tocsr().toarray(), problem.unknowns.gather(of_all @ everywhere))
     np.testing.assert_allclose(problem.expand(moved), everywhere, atol=1e-9)
     place = ngsolve.CF((ngsolve.x, ngsolve.y))
     squared = sum((float(a) * place[0] + float(b) * place[1] + c) ** 2 for (a, b), c in zip(gradient, by, strict=True))

@@ -50,7 +50,7 @@ def eigenvalues(minimiser, minimum):
     np.add.at(tangent, (row, column), line.stiffness)
     tangent = tangent + np.tril(tangent, -1).T
     of_free = np.ix_(problem.free, problem.free)
-    return eigh(tangent[of_free], problem.mass.toarray()[of_free], eigvals_only=True)
+    return eigh(tangent[of_free], problem.mass.tocsr().toarray()[of_free], eigvals_only=True)
 
 
 @pytest.mark.parametrize(("down", "width"), [(0.0005, 0.1), (0.1, 0.1), (0.003, 0.03)])
