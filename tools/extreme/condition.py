@@ -24,13 +24,13 @@ def condition(case: AnyCase, displacement: Array) -> float:
     problem.apply(simulation.levels[-1])
     line = problem.linearise(problem.at(displacement))
     rows, columns = problem.pattern
-    lower = sparse.coo_array((line.stiffness, (rows, columns)), shape=problem.mass.shape).tocsr()
+    lower = sparse.coo_array((line.stiffness, (rows, columns)), shape=(len(problem.free),) * 2).tocsr()
     matrix = lower + lower.T - sparse.diags_array(lower.diagonal())
     if line.curvature is not None:
         matrix = matrix + line.curvature
     closed = np.where(line.gap <= options.minimiser.touching * simulation.longest_step, line.penalty, 0.0)
     matrix = matrix + line.jacobian.T @ (sparse.diags_array(closed) @ line.jacobian)
-    matrix = matrix + path.scale * path.options.last * problem.mass
+    matrix = matrix + path.scale * path.options.last * problem.mass.tocsr()
     free = np.flatnonzero(problem.free)
     matrix = matrix.tocsc()[free][:, free]
     return _largest(matrix.dot, len(free)) * _largest(splu(matrix).solve, len(free))
