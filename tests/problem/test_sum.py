@@ -324,6 +324,33 @@ def test_the_metric_measures_displacements_and_their_gradients_over_the_diameter
     assert moved @ (problem.metric @ moved) == pytest.approx(expected)
 
 
+@pytest.mark.parametrize("is_tied", [False, True])
+def test_a_matrix_of_all_components_is_held_once_and_multiplies_as_all_of_its_entries(is_tied):
+    tissue = cells(2, filled=True)
+    fixed = np.zeros((2, tissue.space.size), dtype=bool)
+    problem = Problem(tissue.space, [tissue.bulk], fixed, tie=tissue.tie if is_tied else None)
+    assert problem.metric.of_one is sum_of(tissue, *TOGETHER["filled"][0]).metric.of_one
+    vector = np.random.default_rng(0).standard_normal(tissue.space.unknowns)
+    for matrix in (problem.metric, problem.mass):
+        whole = matrix.tocsr()
+        assert (whole != whole.T).nnz == 0
+        np.testing.assert_allclose(matrix @ vector, whole @ vector, rtol=1e-12, atol=1e-12 * abs(whole).max())
+
+
+def test_what_is_given_back_is_made_anew():
+    problem = sum_of(cells(2, filled=True), *TOGETHER["filled"][0])
+    at = np.random.default_rng(0).uniform(-1e-3, 1e-3, problem.space.unknowns)
+
+    def found() -> tuple[float, np.ndarray]:
+        state = problem.at(at)
+        return state.energy, problem.linearise(state).stiffness
+
+    energy, stiffness = found()
+    problem.release()
+    again = found()
+    assert again[0] == energy and np.array_equal(again[1], stiffness)
+
+
 @pytest.mark.parametrize("body", [0, 1])
 def test_a_body_turned_inside_out_is_told(body):
     tissue = cells(2, filled=True)

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from scipy import sparse
 
+from ngcell import threads
+from ngcell.solve import linear
 from ngcell.solve.linear import PatternError, SymmetricMatrix
 
 
@@ -45,3 +47,29 @@ def test_an_entry_outside_the_pattern_is_an_error(row, column):
     matrix = SymmetricMatrix(4, np.ones(4, bool), np.array([0, 1, 2, 3]), np.array([0, 1, 2, 3]))
     with pytest.raises(PatternError):
         matrix.locate(np.array([row]), np.array([column]))
+
+
+def test_entries_are_found_some_at_a_time(monkeypatch):
+    matrix, *_ = random_system(40, 2)
+    row, column = matrix.entries
+    monkeypatch.setattr(linear, "_AT_ONCE", 7)
+    assert np.array_equal(matrix.locate(row, column), np.arange(matrix.entry_count))
+    with pytest.raises(PatternError):
+        matrix.locate(np.append(row, 0), np.append(column, 39))
+
+
+@pytest.mark.parametrize(("fewest", "is_shared"), [(40, True), (41, False)])
+def test_factors_of_many_rows_are_shared_among_threads(monkeypatch, fewest, is_shared):
+    asked: list[int] = []
+    set_threads = threads.ngsolve.SetNumThreads
+    monkeypatch.setattr(threads.ngsolve, "SetNumThreads", lambda count: (asked.append(count), set_threads(count)))
+    monkeypatch.setattr(threads, "_FEWEST_ROWS", fewest)
+    matrix, values, full, free = random_system(40, 4)
+    right = np.random.default_rng(0).standard_normal(40)
+    expected = np.zeros(40)
+    expected[free] = np.linalg.solve(full[np.ix_(free, free)], right[free])
+    with threads.threads(2):
+        for _ in range(2):
+            matrix.factorise(values)
+            np.testing.assert_allclose(matrix.solve(right), expected, atol=1e-10)
+    assert (2 in asked) is is_shared and asked[-1] == 1
