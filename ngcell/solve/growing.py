@@ -67,15 +67,12 @@ class GrowingMatrix:
     def _with_room(self, row: Index, column: Index) -> tuple[SymmetricMatrix, Index]:
         """Return a matrix with room for these entries and for those expected, and where the lasting ones stand in it.
         """
-        own = self.lasting.entries
-        parts = [own, (row, column)]
+        parts = [(row, column)]
         if self._expected is not None:
             ones = self._expected.copy()
             ones.data[:] = 1.0  # no product of derivatives vanishes by accident
             parts.append(lower_entries(ones.T @ ones)[:2])
-        rows, columns = (np.concatenate(part) for part in zip(*parts, strict=True))
-        matrix = SymmetricMatrix(self.lasting.size, self._free, rows, columns)
-        return matrix, matrix.locate(*own)
+        return self.lasting.grown(*map(np.concatenate, zip(*parts, strict=True)))
 
     @property
     def few(self) -> int:

@@ -22,6 +22,8 @@ from ngcell.threads import in_parallel
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+#: Indices in 32 bits.
+Narrow = NDArray[Any]
 
 
 #: Entries that are looked for at once: few enough that what is needed on the way takes no memory to speak of.
@@ -46,20 +48,33 @@ class SymmetricMatrix:
     """
 
     def __init__(self, size: int, free: NDArray[np.bool_], rows: Index, columns: Index) -> None:
-        self.size = size
         keys = rows.astype(np.int64) * size
         keys += columns
         keys.sort(kind="stable")  # it merges the few runs of patterns
         is_first = np.ones(len(keys), dtype=bool)
         np.not_equal(keys[1:], keys[:-1], out=is_first[1:])
-        self._keys = keys[is_first]
-        del keys, is_first  # they are as large as all that is kept
-        row, self._columns = self.entries
-        self._pointer = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=size))]).astype(np.int32)
-        self._diagonal = np.flatnonzero(row == self._columns)
-        self._diagonal_rows = row[self._diagonal]
-        self._free = free
+        keys = keys[is_first]
+        row = keys // size
+        columns = (keys - size * row).astype(np.int32)  # half of the memory of wider ones
+        self._take(size, free, keys, columns, np.cumsum(np.bincount(row, minlength=size)))
+
+    def _take(self, size: int, free: NDArray[np.bool_], keys: Index, columns: Narrow, ends: Narrow) -> None:
+        self.size, self._free, self._keys, self._columns = size, free, keys, columns
+        self._pointer = np.concatenate([[0], ends]).astype(np.int32)
         self._loaded: tuple[Array, sparse.csr_array, sparse.csc_array] | None = None
+
+    def grown(self, rows: Index, columns: Index) -> tuple[SymmetricMatrix, Narrow]:
+        """Return a matrix with room for more entries, and where those of this one stand in it."""
+        more = np.unique(rows.astype(np.int64) * self.size + columns)
+        before = np.searchsorted(self._keys, more)
+        is_new = self._keys[np.minimum(before, len(self._keys) - 1)] != more
+        more, before = more[is_new], before[is_new]
+        row, matrix = more // self.size, SymmetricMatrix.__new__(SymmetricMatrix)
+        keys, columns = np.insert(self._keys, before, more), np.insert(self._columns, before, more - self.size * row)
+        ends = self._pointer[1:] + np.cumsum(np.bincount(row, minlength=self.size))
+        matrix._take(self.size, self._free, keys, columns, ends)
+        shift = np.cumsum(np.bincount(before, minlength=len(self._keys) + 1)[:-1], dtype=np.int32)
+        return matrix, np.arange(len(self._keys), dtype=np.int32) + shift
 
     @property
     def entry_count(self) -> int:
@@ -67,10 +82,10 @@ class SymmetricMatrix:
         return len(self._keys)
 
     @property
-    def entries(self) -> tuple[Index, Index]:
+    def entries(self) -> tuple[Narrow, Narrow]:
         """Rows and columns of the pattern, in the order of values."""
-        row = self._keys // self.size
-        return row.astype(np.int32), (self._keys - self.size * row).astype(np.int32)  # half of the memory of wider ones
+        row = np.repeat(np.arange(self.size, dtype=np.int32), np.diff(self._pointer))
+        return row, self._columns
 
     @property
     def lower_pattern(self) -> sparse.csr_array:
@@ -80,6 +95,13 @@ class SymmetricMatrix:
     def _with(self, values: NDArray[Any]) -> sparse.csr_array:
         """Return the lower triangle with these values."""
         return sparse.csr_array((values, self._columns, self._pointer), shape=(self.size, self.size))
+
+    @cached_property
+    def _diagonal(self) -> tuple[Index, Index]:
+        """Where the entries of the diagonal stand, and their rows."""
+        row, column = self.entries
+        place = np.flatnonzero(row == column)
+        return place, row[place]
 
     @cached_property
     def _factor(self) -> Factor:
@@ -130,7 +152,8 @@ class SymmetricMatrix:
             self._loaded = values, lower, lower.T  # shares the values
         _, lower, upper = self._loaded
         product = lower @ vector + upper @ vector
-        product[self._diagonal_rows] -= values[self._diagonal] * vector[self._diagonal_rows]
+        place, row = self._diagonal
+        product[row] -= values[place] * vector[row]
         return np.asarray(product)
 
 

@@ -73,3 +73,25 @@ def test_factors_of_many_rows_are_shared_among_threads(monkeypatch, fewest, is_s
             matrix.factorise(values)
             np.testing.assert_allclose(matrix.solve(right), expected, atol=1e-10)
     assert (2 in asked) is is_shared and asked[-1] == 1
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_matrix_with_more_room_has_the_entries_of_both(seed):
+    matrix, values, full, free = random_system(30, seed)
+    random = np.random.default_rng(seed)
+    column, row = np.sort(random.integers(30, size=(2, 40)), axis=0)
+    grown, place = matrix.grown(row, column)
+    rows, columns = (np.concatenate(part) for part in zip(matrix.entries, (row, column), strict=True))
+    anew = SymmetricMatrix(30, free, rows, columns)
+    for found, expected in zip(grown.entries, anew.entries, strict=True):
+        assert np.array_equal(found, expected)
+    assert np.array_equal(place, anew.locate(*matrix.entries))
+    for one, position in ((anew, anew.locate(row, column)), (grown, grown.locate(row, column))):
+        spread = np.zeros(one.entry_count)
+        spread[place] = values
+        spread[position] += np.where(row == column, 1.0, 0.0)
+        one.factorise(spread)
+    right = random.standard_normal(30)
+    assert np.array_equal(grown.solve(right), anew.solve(right))
+    np.testing.assert_allclose(grown.multiply(spread, right), anew.multiply(spread, right))
+    assert grown.grown(row, column)[0].entry_count == grown.entry_count
