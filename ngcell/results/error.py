@@ -31,7 +31,7 @@ Beside the mesh, the energy errs by contact that is not rigid, at most by forces
 terms store once more, as they would be by rigid contact. The energy also errs by what the proximal term still holds;
 forces, as derivatives of the energy along the load, and the utilisation of walls by the same share of themselves, and
 that of supports by what the proximal term takes of it; and gaps, since walls overlap, by the mean overlap under the
-forces between them.
+forces between them; a mean gap below zero by no less than itself.
 """
 
 from __future__ import annotations
@@ -263,7 +263,7 @@ def _with_contact(last: Numbers, told: dict[str, float]) -> Errors:
         "energy": last.besides,
         "plate_force": softness * plate + last.pulled,
         "contact_force": max(softness, last.stiffer) * last.contact_force,
-        "mean_gap": last.overlap,
+        "mean_gap": max(last.overlap, -last.mean_gap),
         "largest_gap": last.overlap,
         "utilisation": softness * last.utilisation,
     }

@@ -126,6 +126,12 @@ def test_soft_contact_adds_to_forces_by_its_share_of_the_energy_and_to_gaps_by_t
     assert (still.mean_gap, still.largest_gap) == pytest.approx((1e-3, 1e-3), rel=1e-12)
 
 
+def test_a_mean_gap_below_zero_errs_by_no_less_than_itself():
+    """Bodies do not overlap: the true one is not below zero."""
+    found = [numbers(2.0, gap=-1e-3), numbers(2.0, gap=-1e-3, overlap=1e-4)]
+    assert estimate(found, by_order(0.5)).mean_gap == pytest.approx(1e-3, rel=1e-12)
+
+
 def test_a_mean_gap_that_vanishes_is_judged_by_what_counts_as_opened():
     found = [numbers(2.0, gap=2e-4), numbers(2.0, gap=1e-4)]
     errors = estimate(found, by_order(0.5))
