@@ -12,7 +12,7 @@ from pydantic import BaseModel
 from ngcell import export
 from ngcell.build.additions import Additions, told_additions
 from ngcell.build.discretisation import discretise
-from ngcell.build.memory import entry_count, foreseen_memory, solver_name
+from ngcell.build.memory import entry_count, foreseen_memory, is_filled, solver_name
 from ngcell.build.options import Options
 from ngcell.build.problems import OwnTerm
 from ngcell.build.reported import Step
@@ -206,6 +206,7 @@ def inspect(case: AnyCase | BodyScene, *, options: Options | None = None) -> dic
     finer = simulation.refinement.expected()
     minimiser = finer.released.minimisers[-1]
     entries, solver = entry_count(finer.problem), solver_name(minimiser)
+    memory = foreseen_memory(entries, finer.space.dimension, solver, is_filled=is_filled(finer.problem))
     return {
         **_tissue(case),
         "bodies": simulation.bodies.body_count,
@@ -225,7 +226,7 @@ def inspect(case: AnyCase | BodyScene, *, options: Options | None = None) -> dic
         "levels": list(case.level_factors),
         "matrix_entries": entries,
         "solver": solver,
-        "memory_foreseen_gib": round(foreseen_memory(entries, finer.space.dimension, solver), 2),
+        "memory_foreseen_gib": round(memory, 2),
     }
 
 

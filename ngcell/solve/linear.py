@@ -73,8 +73,8 @@ class SymmetricMatrix:
         keys, columns = np.insert(self._keys, before, more), np.insert(self._columns, before, more - self.size * row)
         ends = self._pointer[1:] + np.cumsum(np.bincount(row, minlength=self.size))
         matrix._take(self.size, self._free, keys, columns, ends)
-        shift = np.cumsum(np.bincount(before, minlength=len(self._keys) + 1)[:-1], dtype=np.int32)
-        return matrix, np.arange(len(self._keys), dtype=np.int32) + shift
+        added = np.cumsum(np.bincount(before, minlength=len(self._keys) + 1)[:-1], dtype=np.int32)
+        return matrix, np.arange(len(self._keys), dtype=np.int32) + added
 
     @property
     def entry_count(self) -> int:
