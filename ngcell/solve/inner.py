@@ -90,7 +90,7 @@ def minimise_one_sided(model: OneSidedModel, matrix: Matrix, options: InnerOptio
 
 def _minimised(model: OneSidedModel, coarse: Coarse | None, matrix: Matrix, options: InnerOptions) -> InnerStep:
     descent, change, uphill = Descent(model, matrix, options.lost), 0.0, None
-    for round_number in range(max(options.most_rounds, options.most_settled)):
+    for round_number in range(options.most_rounds):
         is_led = round_number == 0 and coarse is not None
         if coarse is not None:
             way, gained = _among_modes(coarse, descent, options)
@@ -105,8 +105,7 @@ def _minimised(model: OneSidedModel, coarse: Coarse | None, matrix: Matrix, opti
                 anew = _minimised(model, None, matrix, options)
                 return replace(anew, factorisations=anew.factorisations + descent.factorisations)
             uphill = Uphill(descent.step - last, closed, last, before)
-        length = float(np.abs(descent.step).max(initial=0.0))
-        if settled or not change < 0 or not options.goes_on(round_number + 1, before - change, change, length):
+        if settled or not change < 0 or before - change < -options.worthwhile_gain * change:
             break
     return InnerStep(descent.step, change, descent.factorisations, uphill)
 
@@ -114,7 +113,7 @@ def _minimised(model: OneSidedModel, coarse: Coarse | None, matrix: Matrix, opti
 def _among_modes(coarse: Coarse, descent: Descent, options: InnerOptions) -> tuple[Array, float]:
     """Return the way that lowers the model among the modes of bodies, shape (unknowns,), and its change."""
     model, limits = coarse.after(descent.gradient, descent.gap), options.coarse
-    among = InnerOptions(limits.most_rounds, limits.worthwhile_gain, options.round_off, lost=options.lost)
+    among = replace(options, most_rounds=limits.most_rounds, worthwhile_gain=limits.worthwhile_gain)
     found = _minimised(model, None, coarse.matrix, among)
     step, change = (found.step, found.change) if found.uphill is None else (found.uphill.step, found.uphill.change)
     return np.asarray(coarse.basis @ step), change

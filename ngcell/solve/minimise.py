@@ -94,8 +94,9 @@ class Minimiser:
         """Descend from `start` until the Newton decrement is below `tolerance` [energy], or lost in round-off.
 
         It ends after `most` iterations, by default as many as the options say, where they lead nowhere, and once the
-        energy is below `lowest`. Models of walls that have settled are minimised as far as they will be right: before,
-        most of that would be in vain, and chooses between branches. There the next decrement is foreseen, too.
+        energy is below `lowest`. Models of walls that have settled are minimised as far as the one before was right:
+        before, most of that would be in vain, and chooses between branches. There the decrement of the next step is
+        foreseen, too.
         """
         state, damping, decrement, misfit = self._at(start), self._damper.none, float("inf"), float("inf")
         progress = Progress(self.options.idle)
@@ -276,8 +277,7 @@ class Minimiser:
                     if not is_led and gain > self.options.straight * -change:
                         trial, gain = trials.farther(step, (trial, gain), self.longest_step)
                     relaxed = self._damper.relaxed(damping, step, slope, lacking, gain / -change)
-                    is_told = not is_led and found.share == 1
-                    off = abs(gain / -change - 1) / float(np.abs(step).max()) if is_told else float("inf")
+                    off = float("inf") if is_led or found.share < 1 else abs(gain / -change - 1)
                     return Advance(trial, relaxed, found.decrement, is_led and not is_last, off, force)
             if not is_convex and is_whole:
                 undamped, is_whole = self.assembly.convex(undamped, state), False

@@ -64,8 +64,7 @@ class Minimum:
 @dataclass(frozen=True, eq=False)
 class Advance:
     """The next iterate, the damping of each body to go on with, the decrement, whether damping led here, or a model
-    that is not convex, by which share of its decrease the model was off per length of the step, and the norm of the
-    forces before."""
+    that is not convex, by which share of its decrease the model was off, and the norm of the forces before."""
 
     state: State
     damping: NDArray[np.float64]

@@ -91,9 +91,9 @@ class Newton:
         return replace(inner, worthwhile_gain=gain)
 
     def step(self, model: OneSidedModel, matrix: Matrix, misfit: float = inf) -> NewtonStep:
-        """Return the step of a model; see `InnerOptions` for what the one before was off by."""
+        """Return the step of a model; the one before was off by a share of its decrease, where that is known."""
         with self.clock.phase("factorisation"):
-            found = minimise_one_sided(model, matrix, replace(self._inner, misfit=misfit))
+            found = minimise_one_sided(model, matrix, self._inner.within(misfit))
         self.effort.factorisations += found.factorisations
         step, change, not_convex = found.step, found.change, None
         if found.uphill is not None:

@@ -7,8 +7,7 @@ proximal term multiples of the continuation's scale (`ngcell.solve.continuation`
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from math import inf
+from dataclasses import dataclass, field, replace
 
 from ngcell.solve.continuation_options import ContinuationOptions
 
@@ -46,9 +45,6 @@ class InnerOptions:
         Shares of the decrease so far: the iteration ends where it gains less, and has not gone up where it loses less.
     least_gain, most_settled : float, int
         The least share that a settled model goes on for, and its most rounds.
-    misfit : float
-        By what share of its decrease the model before was off, per length of its step; inf where nothing is known of it
-        [1/length].
     lost : float
         Factor by which corrections of an inverse may enlarge round-off.
     most_updates : int
@@ -62,30 +58,20 @@ class InnerOptions:
     round_off: float = 1e-9
     least_gain: float = 0.01
     most_settled: int = 40
-    misfit: float = inf
     lost: float = 1e6
     most_updates: int = 100
     coarse: CoarseOptions = CoarseOptions()
 
-    def goes_on(self, rounds: int, gained: float, change: float, length: float) -> bool:
-        """Return whether another round is worth while.
+    def within(self, misfit: float) -> InnerOptions:
+        """Return the numbers for a model that is as good as the one before, which was off by a share of its decrease.
 
-        A model is off by third derivatives: by a share of its decrease in proportion to the length of its step. Rounds
-        that gain less than it will be off by are not worth while, those that gain more are (Eisenstat and Walker, SIAM
-        J. Sci. Comput. 17, 1996, doi:10.1137/0917003). Never fewer are made than of any model.
-
-        Parameters
-        ----------
-        rounds : int
-            Number of rounds so far.
-        gained, change : float
-            What the last of them has gained, and the change by all, which is negative [energy].
-        length : float
-            The largest displacement of their step [length].
+        Rounds that gain less than that share of the decrease are not worth while, those that gain more are (Eisenstat
+        and Walker, SIAM J. Sci. Comput. 17, 1996, doi:10.1137/0917003). Never fewer are made than of any model.
         """
-        misfit = self.misfit * length if self.misfit < inf else inf
-        is_settled, gain = misfit < self.worthwhile_gain, min(max(misfit, self.least_gain), self.worthwhile_gain)
-        return rounds < (self.most_settled if is_settled else self.most_rounds) and gained >= -gain * change
+        if not misfit < self.worthwhile_gain:
+            return self
+        gain = min(max(misfit, self.least_gain), self.worthwhile_gain)
+        return replace(self, worthwhile_gain=gain, most_rounds=self.most_settled)
 
 
 @dataclass(frozen=True)
