@@ -3,9 +3,10 @@
 The entries of the matrix decide, those of closed walls left out: its factor has about four times as many. Measured on
 63 000 unknowns (order 2, in three dimensions, 4.4 million entries), released from a tied solid: 2.6 GiB by the direct
 solver, 2.2 by the iterative one, and 1.5 without a tied solid; 214 200 unknowns (16.8 million entries) took the
-iterative one 5.7 GiB without one. A planar entry takes less, as factors of planar matrices grow more slowly: 35 cells
-of order 5 (8.4 million entries), with the four coarser meshes that led there, took 1.8 GiB, and 1024 of order 4 (30
-million) 7.7. Where cells are filled, their fillings widen the factor: 100 of order 4 (8.5 million) took 3.2 GiB.
+iterative one 5.7 GiB without one, by a version that took more than the present one. A planar entry takes less, as
+factors of planar matrices grow more slowly: 35 cells of order 5 (8.4 million entries), with the four coarser meshes
+that led there, took 1.8 GiB, and 1024 of order 4 (30 million) 7.7. Where cells are filled, their fillings widen the
+factor: 100 of order 4 (8.5 million) took 3.2 GiB.
 """
 
 from __future__ import annotations

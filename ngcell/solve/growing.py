@@ -35,7 +35,7 @@ class GrowingMatrix:
     """
 
     def __init__(self, size: int, free: Mask, rows: Index, columns: Index) -> None:
-        self.lasting, self._free = SymmetricMatrix(size, free, rows, columns), free
+        self.lasting = SymmetricMatrix(size, free, rows, columns)
         self._expected: sparse.csr_array | None = None
         self._roomy: tuple[SymmetricMatrix, Index] | None = None
 

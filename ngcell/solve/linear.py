@@ -24,8 +24,6 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 #: Indices in 32 bits.
 Narrow = NDArray[Any]
-
-
 #: Entries that are looked for at once: few enough that what is needed on the way takes no memory to speak of.
 _AT_ONCE = 2**20
 

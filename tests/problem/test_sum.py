@@ -346,8 +346,10 @@ def test_what_is_given_back_is_made_anew():
         return state.energy, problem.linearise(state).stiffness
 
     energy, stiffness = found()
+    form = problem._sum[0].form
     problem.release()
     again = found()
+    assert problem._sum[0].form is not form
     assert again[0] == energy and np.array_equal(again[1], stiffness)
 
 
