@@ -1,4 +1,4 @@
-"""How many threads NGSolve's sums may use, and where they pay.
+"""How many threads sums may use, and where they pay.
 
 A nearly symmetric tissue chooses between equilibria by the last digits of sums. Compared bit by bit on 2592 and on
 12 753 unknowns, one thread against two, over repeats: NGSolve's gradient (`Apply`) and tangent
@@ -7,26 +7,36 @@ the same order. The energy (`Energy`, one sum that threads share) differs by 7e-
 solutions (updates in the order in which threads finish) by 1e-18 to 2e-17 of 1e-3; those of 142 000 rows by 1e-15. So
 small scenes, and all scenes on one thread, have the same bits whenever they are run. Larger factors use threads, too:
 two take 0.58 times as long for 96 000 and for 192 000 rows. What differs in them is round-off, which places on the way
-lose (`ngcell.solve.last_digits`).
+lose (`ngcell.solve.last_digits`). Sums of numpy's that do not depend on each other have the same bits on any thread;
+numpy holds no other thread up while it computes.
 """
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from contextvars import copy_context
+from itertools import pairwise
+from typing import TypeVar
 
 import ngsolve
 
+Found = TypeVar("Found")
+
 #: Rows below which threads wait for each other longer than they help.
 _FEWEST_ROWS = 50_000
+#: The same for sums of numpy's: a thread is told what to do in 50 microseconds.
+_FEWEST_OF_NUMPY = 20_000
 
 
 class _Threads:
-    """How many threads there are."""
+    """How many threads there are, and those beside the first one."""
 
     count = 1
+    others: ThreadPoolExecutor | None = None
 
 
 def available_cores() -> int:
@@ -40,11 +50,32 @@ def available_cores() -> int:
 def threads(count: int) -> Iterator[None]:
     """Let sums over many rows use so many threads."""
     ngsolve.SetNumThreads(1)
-    before, _Threads.count = _Threads.count, count
-    try:
-        yield
-    finally:
-        _Threads.count = before
+    before = _Threads.count, _Threads.others
+    with ThreadPoolExecutor(max(count - 1, 1)) as others:  # it starts threads when it is given something to do
+        _Threads.count, _Threads.others = count, others
+        try:
+            yield
+        finally:
+            _Threads.count, _Threads.others = before
+
+
+def at_once(rows: int, tasks: Sequence[Callable[[], Found]]) -> list[Found]:
+    """Return what tasks find that do not depend on each other, each on a thread of its own where there are many rows.
+
+    They may call numpy, but not NGSolve.
+    """
+    if _Threads.others is None or _Threads.count == 1 or rows < _FEWEST_OF_NUMPY:
+        return [task() for task in tasks]
+    # What numpy is told to ignore is told to each thread by itself.
+    started = [_Threads.others.submit(copy_context().run, task) for task in tasks[1:]]
+    return [tasks[0](), *(other.result() for other in started)]
+
+
+def parts_of(count: int, rows: int) -> list[slice]:
+    """Return parts of so many things, one for each thread; where there are few rows, one of all."""
+    number = min(_Threads.count, count) if rows >= _FEWEST_OF_NUMPY else 1
+    ends = [part * count // max(number, 1) for part in range(max(number, 1) + 1)]
+    return [slice(*pair) for pair in pairwise(ends)]
 
 
 @contextmanager

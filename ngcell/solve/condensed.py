@@ -16,6 +16,7 @@ from scipy import sparse
 
 from ngcell.solve.cliques import Cliques, find_cliques
 from ngcell.solve.coarse import Bodies, CoarseSpace
+from ngcell.solve.eliminated import Eliminated
 from ngcell.solve.growing import GrowingMatrix
 from ngcell.solve.linear import SymmetricMatrix
 from ngcell.solve.one_sided import Coarse, OneSidedModel
@@ -89,29 +90,16 @@ class Elimination:
 
     def of(self, stiffness: Stiffness) -> Condensed:
         """Return a matrix, condensed."""
-        left, parts = stiffness.values[self._is_left], list[tuple[Array, Array]]()
+        left, parts = stiffness.values[self._is_left], list[Eliminated]()
         for cliques, (row, column, position) in zip(self.cliques, self._triangles, strict=True):
-            among, between = stiffness.values[cliques.among], stiffness.values[cliques.between]
-            pulled = _solved(among, between)
-            change = (between.transpose(0, 2, 1) @ pulled)[:, row, column]
-            left = left - np.bincount(position, change.ravel(), len(left))
-            parts.append((among, pulled))
+            part, change = Eliminated.of(cliques, stiffness.values)
+            left = left - np.bincount(position, change[:, row, column].ravel(), len(left))
+            parts.append(part)
         moving = stiffness.moving
         if moving is not None:
             columns = self.derivatives(moving)
             moving = self.derivatives(columns.T.tocsr())  # symmetric
         return Condensed(self, Stiffness(left, moving), parts)
-
-
-def _solved(matrices: Array, right: Array) -> Array:
-    """Return solutions; not a number where there are none: such steps are refused, as all that do not lower the model.
-
-    Products with inverses would lose as many digits as walls that hardly change their volume are stiffer in bulk.
-    """
-    try:
-        return np.asarray(np.linalg.solve(matrices, right), dtype=np.float64)
-    except np.linalg.LinAlgError:
-        return np.full(right.shape, np.nan)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,34 +112,31 @@ class Condensed:
         Which they are.
     stiffness : Stiffness
         Their matrix.
-    parts : list of (array, array)
-        For each size of cliques the entries of what is eliminated, shape (cliques, m, m), and the solutions with those
-        between them and their neighbours, shape (cliques, m, q).
+    parts : list of Eliminated
+        What is eliminated, for each size of cliques.
     """
 
     elimination: Elimination
     stiffness: Stiffness
-    parts: list[tuple[Array, Array]]
+    parts: list[Eliminated]
 
     def right(self, right: Array) -> Array:
         """Return the right-hand side for the unknowns that are kept."""
         left = right
-        for cliques, (_, pulled) in zip(self.elimination.cliques, self.parts, strict=True):
-            taken = np.einsum("cmq,cm->cq", pulled, right[cliques.inside])
-            left = left - np.bincount(cliques.around.ravel(), taken.ravel(), len(right))
+        for part in self.parts:
+            left = left - np.bincount(part.cliques.around.ravel(), part.taken(right).ravel(), len(right))
         return left[self.elimination.kept]
 
     def alone(self, right: Array) -> list[Array]:
         """Return the solutions of what is eliminated, the rest at 0: for each size of cliques, shape (cliques, m)."""
-        pairs = zip(self.elimination.cliques, self.parts, strict=True)
-        return [_solved(among, right[cliques.inside][..., None])[..., 0] for cliques, (among, _) in pairs]
+        return [part.alone(right) for part in self.parts]
 
     def solution(self, alone: list[Array], kept: Array) -> Array:
         """Return the whole solution from that of the unknowns that are kept, and those of `alone`."""
         whole = np.zeros(len(self.elimination.is_kept))
         whole[self.elimination.kept] = kept
-        for cliques, (_, pulled), own in zip(self.elimination.cliques, self.parts, alone, strict=True):
-            whole[cliques.inside] = own - np.einsum("cmq,cq->cm", pulled, whole[cliques.around])
+        for part, own in zip(self.parts, alone, strict=True):
+            whole[part.cliques.inside] = own - part.following(whole)
         return whole
 
     def change(self, right: Array, alone: list[Array]) -> float:

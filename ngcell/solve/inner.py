@@ -197,7 +197,7 @@ class _Quadratics:
         pull[closed] = model.penalty[closed] * gap[closed]
         right = -(model.gradient + model.pulled(pull))
         if self._acting is not None:
-            changed = np.setxor1d(closed, self._acting)
+            changed = np.setxor1d(closed, self._acting, assume_unique=True)
             if len(changed) <= self._matrix.few:
                 minimum = self._corrected(self._matrix.solve(right), changed, np.isin(changed, closed))
                 if minimum is not None:

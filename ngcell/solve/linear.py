@@ -18,7 +18,7 @@ import pyngcore
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ngcell.threads import in_parallel
+from ngcell.threads import at_once, in_parallel
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -46,12 +46,7 @@ class SymmetricMatrix:
     """
 
     def __init__(self, size: int, free: NDArray[np.bool_], rows: Index, columns: Index) -> None:
-        keys = rows.astype(np.int64) * size
-        keys += columns
-        keys.sort(kind="stable")  # it merges the few runs of patterns
-        is_first = np.ones(len(keys), dtype=bool)
-        np.not_equal(keys[1:], keys[:-1], out=is_first[1:])
-        keys = keys[is_first]
+        keys = _keys(size, rows, columns, has_runs=True)
         row = keys // size
         columns = (keys - size * row).astype(np.int32)  # half of the memory of wider ones
         self._take(size, free, keys, columns, np.cumsum(np.bincount(row, minlength=size)))
@@ -63,7 +58,7 @@ class SymmetricMatrix:
 
     def grown(self, rows: Index, columns: Index) -> tuple[SymmetricMatrix, Narrow]:
         """Return a matrix with room for more entries, and where those of this one stand in it."""
-        more = np.unique(rows.astype(np.int64) * self.size + columns)
+        more = _keys(self.size, rows, columns, has_runs=False)
         before = np.searchsorted(self._keys, more)
         is_new = self._keys[np.minimum(before, len(self._keys) - 1)] != more
         more, before = more[is_new], before[is_new]
@@ -149,7 +144,8 @@ class SymmetricMatrix:
             lower = self._with(values)
             self._loaded = values, lower, lower.T  # shares the values
         _, lower, upper = self._loaded
-        product = lower @ vector + upper @ vector
+        below, above = at_once(self.size, [lambda: lower @ vector, lambda: upper @ vector])
+        product = below + above
         place, row = self._diagonal
         product[row] -= values[place] * vector[row]
         return np.asarray(product)
@@ -203,6 +199,19 @@ class Factor:
         with in_parallel(self._matrix.height):
             self._inverse.Mult(self._right, self._left)
         return np.array(self._left.FV().NumPy())
+
+
+def _keys(size: int, rows: Index, columns: Index, *, has_runs: bool) -> Index:
+    """Return the numbers of entries, row by row, each of them once; sorting is quick where they come in few runs.
+
+    Numpy's `unique` hashes whole numbers, and takes fifty times as long.
+    """
+    keys = rows.astype(np.int64) * size
+    keys += columns
+    keys.sort(kind="stable" if has_runs else None)
+    is_first = np.ones(len(keys), dtype=bool)
+    np.not_equal(keys[1:], keys[:-1], out=is_first[1:])
+    return keys[is_first]
 
 
 def _copied(kind: type, values: NDArray[Any]) -> Any:

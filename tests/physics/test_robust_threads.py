@@ -5,11 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 
+from ngcell import threads as module
 from ngcell.build.checkpoint import Checkpoint
 from ngcell.build.simulation import Simulation
 from ngcell.scene import read_case
-from ngcell.threads import threads
+from ngcell.threads import at_once, parts_of, threads
 
 _CASES = Path(__file__).parents[2] / "cases"
 
@@ -23,3 +25,32 @@ def _first_state(count: int) -> np.ndarray:
 
 def test_threads_change_no_bit() -> None:
     assert np.array_equal(_first_state(1), _first_state(2))
+
+
+def test_sums_of_numpy_on_threads_change_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
+    alone = _first_state(1)
+    told = list[int]()
+    monkeypatch.setattr(module, "_FEWEST_OF_NUMPY", 0)
+    submit = module.ThreadPoolExecutor.submit
+    monkeypatch.setattr(
+        module.ThreadPoolExecutor, "submit", lambda self, *task: told.append(1) or submit(self, *task)
+    )
+    assert np.array_equal(alone, _first_state(3))
+    assert len(told) > 100
+
+
+def test_tasks_are_found_in_order_and_errors_are_told() -> None:
+    with threads(3):
+        assert at_once(10**6, [lambda: 1, lambda: 2, lambda: 3]) == [1, 2, 3]
+        with pytest.raises(ZeroDivisionError):
+            at_once(10**6, [lambda: 1, lambda: 1 // 0])
+        with np.errstate(divide="ignore"):
+            assert at_once(10**6, 2 * [lambda: float(np.float64(1) / np.float64(0))]) == [np.inf, np.inf]
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 7])
+def test_parts_hold_everything_once(count: int) -> None:
+    with threads(3):
+        parts = parts_of(count, 10**6)
+    assert [number for part in parts for number in range(count)[part]] == list(range(count))
+    assert len(parts_of(count, 10**6)) == 1  # on one thread

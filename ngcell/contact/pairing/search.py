@@ -13,14 +13,17 @@ point lie behind a facet and further aside than deep: it has slid past the end, 
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.contact.pairing.classification import TIE
 from ngcell.contact.pairing.closest import classified, closest_points, nearest_candidates
 from ngcell.contact.pairing.near import NearFacets, Reach, reach_between
-from ngcell.contact.pairing.pairs import ContactPairs
+from ngcell.contact.pairing.pairs import ContactPairs, joined
 from ngcell.contact.surface.surface import Surface, SurfacePoints
+from ngcell.threads import at_once, parts_of
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -47,6 +50,7 @@ class PairSearch:
         self._first = np.cumsum(self._count) - self._count
         self._values = walls.basis.values(points.xi)
         self._near = NearFacets(walls, reach)
+        self._sorted: tuple[tuple[Index, Index], tuple[Index, Index]] | None = None
 
     def pairs(self, nodes: Array) -> ContactPairs:
         """Return all contact pairs of a deformed state.
@@ -56,9 +60,26 @@ class PairSearch:
         nodes : array of float, shape (facets, nodes, dimension)
             Deformed positions of the walls' nodes [length].
         """
+        facet, other = self._near_facets(nodes)
+        place = np.einsum("pi,pid->pd", self._values, nodes[self._points.facet])
+        # Points of a facet stay together: which pairs they have depends on all its neighbours.
+        ends = np.searchsorted(facet, [part.start for part in parts_of(self._walls.facet_count, nodes.size)][1:])
+        shares = zip(np.split(facet, ends), np.split(other, ends), strict=True)
+        return joined(at_once(nodes.size, [partial(self._pairs_among, nodes, place, *share) for share in shares]))
+
+    def _near_facets(self, nodes: Array) -> tuple[Index, Index]:
+        """Return facets, in increasing order, and others that are near them."""
+        found = self._near.pairs(nodes)
+        if self._sorted is None or found is not self._sorted[0]:
+            order = np.argsort(found[0], kind="stable")
+            self._sorted = found, (found[0][order], found[1][order])
+        return self._sorted[1]
+
+    def _pairs_among(self, nodes: Array, place: Array, facet: Index, other: Index) -> ContactPairs:
+        """Return the contact pairs of the points of facets, at their places, with other facets."""
         walls, points = self._walls, self._points
-        number, other = self._candidates(nodes)
-        place = np.einsum("pi,pid->pd", self._values, nodes[points.facet])[number]
+        number, other = self._candidates(facet, other)
+        place = place[number]
         reach = reach_between(walls, self.reach, points.facet[number], other)
         chosen, xi, distance = _nearest(walls, nodes, number, other, place, reach)
         within = distance <= reach[chosen]
@@ -69,9 +90,8 @@ class PairSearch:
         pairs = ContactPairs(*own, other, xi, found.at_end, found.sign, found.slide_direction)
         return pairs.chosen(~found.slid_past)
 
-    def _candidates(self, nodes: Array) -> tuple[Index, Index]:
-        """Return points, and facets near the facet of each."""
-        facet, other = self._near.pairs(nodes)
+    def _candidates(self, facet: Index, other: Index) -> tuple[Index, Index]:
+        """Return points of facets, and the facets near the facet of each."""
         count = self._count[facet]
         number = np.repeat(self._first[facet] - np.cumsum(count) + count, count) + np.arange(count.sum())
         return number, np.repeat(other, count)
