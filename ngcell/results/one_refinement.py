@@ -6,7 +6,7 @@ at least:
 - of the stored energy what it tells of the potential, since what loads and supports do to it may cancel: by linear
   theory it errs by just that where loads or supports alone act, and by less where both do;
 - of forces the share of themselves that the energy errs by: they are its derivatives;
-- of the mean gap the mean of what the gap of each pair of walls has changed by, whatever its sign.
+- of the mean gap the mean of what the gap of each facet has changed by, whatever its sign.
 """
 
 from __future__ import annotations

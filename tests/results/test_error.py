@@ -182,7 +182,8 @@ def test_gaps_are_compared_over_the_walls_that_are_held_on_the_last_mesh():
 
     def with_gaps(first: float, second: float, is_held: bool) -> Numbers:
         integral = np.array([first, second])
-        gaps = GapsOfPairs(bodies, np.array([True, is_held]), length, integral, integral)
+        facet = np.array([[0, 0], [1, 1]])
+        gaps = GapsOfPairs(bodies, np.array([True, is_held]), length, integral, integral, facet, integral)
         mean, largest = gaps.mean_and_largest(gaps.is_held)
         return replace(numbers(2.0), mean_gap=mean, largest_gap=largest, gaps=gaps)
 
