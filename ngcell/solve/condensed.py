@@ -66,12 +66,11 @@ class Elimination:
         self.space = None if bodies is None else bodies.space(self.matrix.lasting, free, touched, self.kept)
         self._triangles = [self._triangle(cliques) for cliques in self.cliques]
 
-    def _triangle(self, cliques: Cliques) -> tuple[Index, Index, Index]:
-        """Return the entries of the lower triangle of neighbours, and where they stand among the values that are left.
-        """
+    def _triangle(self, cliques: Cliques) -> Index:
+        """Return where the entries of the lower triangle of neighbours stand among the values that are left."""
         row, column = np.tril_indices(cliques.around.shape[1])
         around = self._number[cliques.around]
-        return row, column, self.matrix.locate(around[:, row].ravel(), around[:, column].ravel())
+        return self.matrix.locate(around[:, row].ravel(), around[:, column].ravel())
 
     def forget(self) -> None:
         """Make room for closed walls anew, and find modes anew."""
@@ -91,9 +90,9 @@ class Elimination:
     def of(self, stiffness: Stiffness) -> Condensed:
         """Return a matrix, condensed."""
         left, parts = stiffness.values[self._is_left], list[Eliminated]()
-        for cliques, (row, column, position) in zip(self.cliques, self._triangles, strict=True):
+        for cliques, position in zip(self.cliques, self._triangles, strict=True):
             part, change = Eliminated.of(cliques, stiffness.values)
-            left = left - np.bincount(position, change[:, row, column].ravel(), len(left))
+            left = left - np.bincount(position, change.ravel(), len(left))
             parts.append(part)
         moving = stiffness.moving
         if moving is not None:

@@ -35,28 +35,32 @@ class Eliminated:
 
     @classmethod
     def of(cls, cliques: Cliques, values: Array) -> tuple[Eliminated, Array]:
-        """Return cliques of a matrix with these values, and what their elimination takes from the entries of their
-        neighbours, shape (cliques, q, q)."""
+        """Return cliques of a matrix with these values, and what their elimination takes from the entries of the lower
+        triangle of their neighbours, shape (cliques, q (q + 1) / 2)."""
+        row, column = np.tril_indices(cliques.around.shape[1])
 
         def found(some: slice) -> tuple[Array, Array, Array]:
             among, between = values[cliques.among[some]], values[cliques.between[some]]
             pulled = _solved(among, between)
-            return among, pulled, between.transpose(0, 2, 1) @ pulled
+            return among, pulled, (between.transpose(0, 2, 1) @ pulled)[:, row, column]
 
         among, pulled, change = _joined(cliques, len(values), found)
         return cls(cliques, among, pulled), change
 
     def taken(self, right: Array) -> Array:
         """Return what their elimination takes from the right-hand side of their neighbours, shape (cliques, q)."""
-        return self._by_parts(right, partial(_taken, self, right))
+        inside = self.cliques.inside
+        return self._by_parts(right, lambda some: np.einsum("cmq,cm->cq", self.pulled[some], right[inside[some]]))
 
     def alone(self, right: Array) -> Array:
         """Return their solutions where neighbours are at 0, shape (cliques, m)."""
-        return self._by_parts(right, partial(_alone, self, right))
+        inside = self.cliques.inside
+        return self._by_parts(right, lambda some: _solved(self.among[some], right[inside[some]][..., None])[..., 0])
 
     def following(self, whole: Array) -> Array:
         """Return what is to be taken from their solutions where neighbours are not, shape (cliques, m)."""
-        return self._by_parts(whole, partial(_following, self, whole))
+        around = self.cliques.around
+        return self._by_parts(whole, lambda some: np.einsum("cmq,cq->cm", self.pulled[some], whole[around[some]]))
 
     def _by_parts(self, vector: Array, function: Callable[[slice], Array]) -> Array:
         (found,) = _joined(self.cliques, len(vector), lambda some: (function(some),))
@@ -67,18 +71,6 @@ def _joined(cliques: Cliques, rows: int, function: Callable[[slice], tuple[Array
     """Return what a function finds for all cliques from what it finds for some of them; arrays begin with cliques."""
     found = at_once(rows, [partial(function, some) for some in parts_of(len(cliques.inside), rows)])
     return found[0] if len(found) == 1 else tuple(map(np.concatenate, zip(*found, strict=True)))
-
-
-def _taken(of: Eliminated, right: Array, some: slice) -> Array:
-    return np.asarray(np.einsum("cmq,cm->cq", of.pulled[some], right[of.cliques.inside[some]]))
-
-
-def _alone(of: Eliminated, right: Array, some: slice) -> Array:
-    return _solved(of.among[some], right[of.cliques.inside[some]][..., None])[..., 0]
-
-
-def _following(of: Eliminated, whole: Array, some: slice) -> Array:
-    return np.asarray(np.einsum("cmq,cq->cm", of.pulled[some], whole[of.cliques.around[some]]))
 
 
 def _solved(matrices: Array, right: Array) -> Array:
