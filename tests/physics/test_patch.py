@@ -72,16 +72,18 @@ def assert_uniform(state: Equilibrium, pressure: float) -> None:
     assert -state.force("ceiling")[1] == pytest.approx(pressure, rel=1e-8)
 
 
-@pytest.mark.parametrize("order", [1, 2, 3, 4])
-@pytest.mark.parametrize("sizes", [(0.4, 0.27), (0.2, 0.3)])
-def test_confined_blocks_press_uniformly(order, sizes):
+@pytest.mark.parametrize(
+    ("sizes", "order"), [((0.4, 0.27), 1), ((0.4, 0.27), 2), ((0.4, 0.27), 3), ((0.4, 0.27), 4), ((0.2, 0.3), 2)]
+)
+def test_confined_blocks_press_uniformly(sizes, order):
     exact = -RadialSolid(0.8, 0.2, SPONGE).slopes(1.0, STRETCH)[1]
     assert_uniform(pressed(STRETCH, sizes, order, confined=True), exact)
 
 
-@pytest.mark.parametrize("order", [1, 2, 3])
-@pytest.mark.parametrize("sizes", [(0.4, 0.27), (0.22, 0.3)])
-def test_k1_blocks_with_free_sides_press_uniformly(order, sizes):
+@pytest.mark.parametrize(
+    ("sizes", "order"), [((0.4, 0.27), 1), ((0.4, 0.27), 2), ((0.4, 0.27), 3), ((0.22, 0.3), 2)]
+)
+def test_k1_blocks_with_free_sides_press_uniformly(sizes, order):
     assert_uniform(pressed(STRETCH, sizes, order, confined=False), compressed(STRETCH).nominal_pressure)
 
 

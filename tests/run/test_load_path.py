@@ -15,8 +15,7 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("strategy", ["sddp", "single-step"])
-@pytest.mark.parametrize("contact", ["penalty", "mortar"])
+@pytest.mark.parametrize(("strategy", "contact"), [("sddp", "penalty"), ("single-step", "mortar")])
 def test_a_tissue_returns_to_rest(strategy, contact):
     case, sets = CASES[strategy]
     steps = ngcell.simulate(ngcell.read_case(case, [*sets, f'contact.kind="{contact}"', "accuracy=inf"]))

@@ -56,8 +56,9 @@ PRESSED = {"kind": "plates", "stretch": 0.98}
 SHEARED = {"kind": "frame", "shear": 0.02}
 
 
-@pytest.mark.parametrize("load", [PRESSED, SHEARED], ids=["pressed", "sheared"])
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    ("kind", "load"), [("voronoi", PRESSED), ("polygons", PRESSED), ("perturbed", SHEARED), ("brick", SHEARED)]
+)
 def test_small_loads_are_certified(kind, load, tmp_path):
     # A corner of the Voronoi tissue is pressed into a wall by more than may be, without graded elements.
     accuracy = 0.1 if (kind, load) == ("voronoi", PRESSED) else inf

@@ -1,6 +1,6 @@
 """Run the points that have no row yet, and tell what came of all of them.
 
-    python -m tools.extreme map --quick               some fifty points, in about five minutes
+    python -m tools.extreme map --quick               some forty points, in about four minutes
     python -m tools.extreme map [--timeout 120]       all of them, and the perturbed ones
 
 Rows are kept in `tools/results/extreme.csv`; a point that has its row there, made by the same sources of the package,
@@ -23,7 +23,7 @@ from tools.runs import sources
 
 
 @described(__doc__)
-@click.option("--quick", is_flag=True, help="Some fifty points, and no figure.")
+@click.option("--quick", is_flag=True, help="Some forty points, and no figure.")
 @click.option("--timeout", default=120.0, show_default=True, help="Seconds on the clock for one run.")
 @click.option("--only", default="", help="Points whose label has this text; rows of others stay.")
 @click.option("--report-only", is_flag=True, help="Write table and figure of the rows that are there.")
