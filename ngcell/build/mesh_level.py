@@ -65,19 +65,19 @@ class Level(Generic[Scene]):
         for minimiser in self._used:
             minimiser.release_matrix()
 
-    def _tied_at(self, displacement: Array, load: float) -> Iterator[Attempt]:
+    def _tied_at(self, displacement: Array) -> Iterator[Attempt]:
         """Yield the minimiser of the tied solid, after those of smaller bulk moduli, and at last the one with contact:
         that alone where a body touches itself at a displacement."""
-        if not has_contact(self._closing, displacement, load):
+        if not has_contact(self._closing, displacement):
             yield Attempt(self._tied[:-1], self._tied[-1:])
         if self._closing:
             self._closing[-1].problem.reset()
             yield Attempt(self._closing[:-1], self._closing[-1:])
 
-    def _passes_itself(self, minimisers: Minimisers, minimum: Minimum, load: float) -> bool:
+    def _passes_itself(self, minimisers: Minimisers, minimum: Minimum) -> bool:
         """Return whether a body touches itself in a minimum of the tied solid without contact."""
         is_open = minimum.is_found and minimisers[-1] is self._tied[-1]
-        return is_open and has_contact(self._closing, minimum.state.displacement, load)
+        return is_open and has_contact(self._closing, minimum.state.displacement)
 
     @property
     def has_multipliers(self) -> bool:
@@ -104,7 +104,7 @@ class Level(Generic[Scene]):
         share = mine.options.solver.handed_on if only_leads else None
         if path is not None and is_finished_later:
             share = inf if only_leads else path.options.of_leading
-        for attempt in self._tied_at(start, load) if is_tied else self._attempts(only_leads):
+        for attempt in self._tied_at(start) if is_tied else self._attempts(only_leads):
             softer, last = attempt.softer, attempt.minimisers
             effort = spent((*softer, *last))
             own = mine.problem_of(accepted.phase, only_leads=only_leads)
@@ -119,7 +119,7 @@ class Level(Generic[Scene]):
                 accepted = replace(accepted, effort=accepted.effort + (spent((*softer, *last)) - effort))
                 break
             accepted = replace(accepted, effort=accepted.effort + (spent((*softer, *last)) - effort))
-            if is_tied and self._passes_itself(last, minimum, load):
+            if is_tied and self._passes_itself(last, minimum):
                 continue
             if minimum.is_found:
                 accepted = replace(accepted, minimum=minimum)
@@ -131,8 +131,10 @@ class Level(Generic[Scene]):
 
     def stiffer(self, found: Refined[Scene]) -> Refined[Scene]:
         """Return a step of this mesh by stiffer contact between bodies; as it is where that finds no equilibrium, or
-        contact can be no stiffer."""
+        contact can be no stiffer, and the tied solid."""
         minimiser, accepted, mine = self._released.minimisers[-1], found.accepted, self.simulation
+        if accepted.phase == "tied":
+            return found
         contact = (term.method for term in found.problem.terms if isinstance(term, ContactTerm))
         stiffened = [method for method in contact if isinstance(method, Adapting) and method.stiffen()]
         if not stiffened:
@@ -258,12 +260,12 @@ class Level(Generic[Scene]):
         None are known where its curvature is not. A tied solid that touches itself below a saddle is in contact there.
         """
         minimum, path = found.accepted.minimum, self._released.path
-        is_tied, load = found.accepted.phase == "tied", found.accepted.load_factor
+        is_tied = found.accepted.phase == "tied"
         length, options = self._released.longest_step, self.simulation.options.solver
         effort_in_all = found.accepted.effort
         attempts: Iterable[Attempt] = [Attempt((), self._released.minimisers)]
         if is_tied:
-            attempts = self._tied_at(minimum.state.displacement, load)
+            attempts = self._tied_at(minimum.state.displacement)
         for number, attempt in enumerate(attempts):
             minimisers = attempt.minimisers
             effort, left = spent(minimisers[-1:]), minimum
@@ -275,7 +277,7 @@ class Level(Generic[Scene]):
             except OutOfIterations:
                 return replace(found, errors=Errors())
             effort_in_all = effort_in_all + (spent(minimisers[-1:]) - effort)
-            if not (is_tied and self._passes_itself(minimisers, left, load)):
+            if not (is_tied and self._passes_itself(minimisers, left)):
                 break
         if not left.is_found:
             return replace(found, errors=Errors())

@@ -19,6 +19,7 @@ from ngcell.build.discretisation import discretise
 from ngcell.build.drift import check_nothing_drifts
 from ngcell.build.options import Options
 from ngcell.build.scales import scales_in_reach
+from ngcell.build.spaces import contact_around_spaces
 from ngcell.clock import Clock
 from ngcell.contact.cohesion.bonds import bond_walls
 from ngcell.contact.methods.by_penalty import Penalty
@@ -198,8 +199,10 @@ class Problems:
 
     @cached_property
     def closing_problems(self) -> tuple[Problem, ...]:
-        """The tied solid whose lumens touch themselves, stage by stage."""
-        return self._tied_problems(self._self_contact(1))
+        """The tied solid whose lumens touch themselves, and walls each other around spaces, stage by stage."""
+        moduli = np.array([law.plane_strain_modulus for law in self.discretisation.walls])
+        around = contact_around_spaces(self.walls, moduli, self._reach, self.options.contact)
+        return self._tied_problems((*self._self_contact(1), *around))
 
     @cached_property
     def _contacts(self) -> tuple[tuple[Term, ...], ...]:
@@ -230,9 +233,7 @@ class Problems:
 
     @property
     def closing(self) -> tuple[Minimiser, ...]:
-        """Minimisers of the tied solid whose lumens touch themselves; none where no lumen can."""
-        if self._lumens is None:
-            return ()
+        """Minimisers of the tied solid whose lumens and free walls touch."""
         return tuple(self._minimiser(problem, self.longest_step) for problem in self.closing_problems)
 
     @property

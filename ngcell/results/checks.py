@@ -250,7 +250,7 @@ def _last_digits(problem: Problem, state: State) -> Array:
 def _penetration(problem: Problem, walls: Surface, state: State) -> float:
     """Return the deepest overlap over the thickness of the thinner body, as contact sees it and from outlines.
 
-    The tied solid has no contact: what it leaves untied, at rounded corners, may overlap.
+    In three dimensions the tied solid has no contact: what it leaves untied, at rounded corners, may overlap.
     """
     thickness = problem.space.bodies.thickness_of_body
     seen = deepest_overlap(problem.terms, state.at, thickness)

@@ -21,6 +21,9 @@ from ngcell.solve.stability import stable_minimum
 
 Array = NDArray[np.float64]
 
+#: Share of the thinnest wall below which an overlap is round-off, as between walls that end at one tied node.
+_NOTHING = 1e-9
+
 
 def settled(
     minimisers: Sequence[Minimiser],
@@ -130,11 +133,10 @@ def stable(
     return stable_minimum(minimiser, minimum, until_rested, options.stability, scale=path.scale, length=length)
 
 
-def has_contact(minimisers: Sequence[Minimiser], displacement: Array, load: float) -> bool:
+def has_contact(minimisers: Sequence[Minimiser], displacement: Array) -> bool:
     """Return whether constraints of the last problem are violated at a displacement; no problem has none."""
     if not minimisers:
         return False
     problem = minimisers[-1].problem
-    problem.apply(load)
     _, gaps = problem.gaps(problem.at(displacement))
-    return bool((gaps < 0).any())
+    return bool((gaps < -_NOTHING * problem.space.bodies.thickness).any())

@@ -12,9 +12,9 @@ needs to know nothing of NGSolve.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -152,6 +152,11 @@ class Surface(ABC):
         Parts are the surfaces of bodies.
         """
         return self.body
+
+    def chosen(self, facets: Index) -> Self:
+        """Return the surface of these facets alone."""
+        of_facets = ("body", "dofs", "nodal", "side", "weights", "depth", "rest")
+        return replace(self, **{name: getattr(self, name)[facets] for name in of_facets})
 
     @property
     def facet_count(self) -> int:

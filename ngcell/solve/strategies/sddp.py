@@ -136,9 +136,9 @@ def _tied_step(task: Task, displacement: Array, load: float, target: float) -> A
 
 def _tied_minimum(task: Task, start: Array, proximal: ProximalTerm, load: float) -> Minimum:
     """Return the minimum of the tied solid, without contact where no body touches itself there."""
-    if not has_contact(task.closing, start, load):
+    if not has_contact(task.closing, start):
         minimum = _minimum_of(task.tied, task, start, proximal, load)
-        if not minimum.is_found or not has_contact(task.closing, minimum.state.displacement, load):
+        if not minimum.is_found or not has_contact(task.closing, minimum.state.displacement):
             return minimum
     task.closing[-1].problem.reset()
     return _minimum_of(task.closing, task, start, proximal, load)
