@@ -21,7 +21,7 @@ from ngcell.solve.stability import stable_minimum
 
 Array = NDArray[np.float64]
 
-#: Share of the thinnest wall below which an overlap is round-off, as between walls that end at one tied node.
+#: Share of the longest step below which an overlap is round-off, as between walls that end at one tied node.
 _NOTHING = 1e-9
 
 
@@ -139,4 +139,4 @@ def has_contact(minimisers: Sequence[Minimiser], displacement: Array) -> bool:
         return False
     problem = minimisers[-1].problem
     _, gaps = problem.gaps(problem.at(displacement))
-    return bool((gaps < -_NOTHING * problem.space.bodies.thickness).any())
+    return bool((gaps < -_NOTHING * minimisers[-1].longest_step).any())
