@@ -233,7 +233,9 @@ class Problems:
 
     @property
     def closing(self) -> tuple[Minimiser, ...]:
-        """Minimisers of the tied solid whose lumens and free walls touch."""
+        """Minimisers of the tied solid whose lumens and free walls touch; none where none can."""
+        if len(self.closing_problems[-1].terms) == len(self.tied_problems[-1].terms):
+            return ()
         return tuple(self._minimiser(problem, self.longest_step) for problem in self.closing_problems)
 
     @property
