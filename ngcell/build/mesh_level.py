@@ -131,10 +131,8 @@ class Level(Generic[Scene]):
 
     def stiffer(self, found: Refined[Scene]) -> Refined[Scene]:
         """Return a step of this mesh by stiffer contact between bodies; as it is where that finds no equilibrium, or
-        contact can be no stiffer, and the tied solid."""
+        contact can be no stiffer."""
         minimiser, accepted, mine = self._released.minimisers[-1], found.accepted, self.simulation
-        if accepted.phase == "tied":
-            return found
         contact = (term.method for term in found.problem.terms if isinstance(term, ContactTerm))
         stiffened = [method for method in contact if isinstance(method, Adapting) and method.stiffen()]
         if not stiffened:

@@ -116,8 +116,7 @@ class Problems:
 
     @cached_property
     def _volume_stages(self) -> tuple[tuple[Term, ...], ...]:
-        """The terms of bodies and loads, from the bulk modulus that paths are followed with to the one that is meant.
-        """
+        """The terms of bodies and loads, from the bulk modulus that paths are followed with to the one meant."""
         return (*self._softened_from(self.options.solver.direct_bulk), fused(self._terms))
 
     @cached_property
@@ -137,12 +136,21 @@ class Problems:
             bound *= self.options.solver.bulk_stage
         return stages
 
+    @property
+    def _moduli(self) -> Array:
+        """Plane-strain modulus of each body [stress]."""
+        return np.array([law.plane_strain_modulus for law in self.discretisation.walls])
+
+    @property
+    def _penalty(self) -> Penalty:
+        """The penalty of what a case's own method does not act in, as stiff as that; methods without one have none."""
+        return Penalty(stiffness=getattr(self._case.contact, "stiffness", 1.0))
+
     @cached_property
     def _contact_stages(self) -> tuple[Term, ...]:
         """Contact, from the softest, which follows paths, to the one that is meant."""
-        moduli = np.array([law.plane_strain_modulus for law in self.discretisation.walls])
         contact = self._case.contact if self.walls.facet_count else Penalty()  # without walls all methods do nothing
-        stages = contact.stages(self.walls, moduli, reach=self._reach, options=self.options.contact)
+        stages = contact.stages(self.walls, self._moduli, reach=self._reach, options=self.options.contact)
         return tuple(stage if isinstance(stage, Term) else ContactTerm(stage) for stage in stages)
 
     @cached_property
@@ -156,9 +164,8 @@ class Problems:
         """Return contact of lumens with themselves in so many stages; none where no lumen may close."""
         if self._lumens is None:
             return []
-        moduli = np.array([law.plane_strain_modulus for law in self.discretisation.walls])
-        stiffness = getattr(self._case.contact, "stiffness", 1.0)  # methods without a penalty have none
-        return self_contact_stages(self._lumens, moduli, count, self.options.contact, stiffness=stiffness)
+        options, stiffness = self.options.contact, self._penalty.stiffness
+        return self_contact_stages(self._lumens, self._moduli, count, options, stiffness=stiffness)
 
     @property
     def contact(self) -> Term:
@@ -186,8 +193,7 @@ class Problems:
         return tie_walls(self.walls, self.space.size)
 
     def _tied_problems(self, contact: Sequence[Term]) -> tuple[Problem, ...]:
-        stages = [(*terms, *contact) for terms in self._volume_stages]
-        return tuple(self._problem(terms, self._tie) for terms in stages)
+        return tuple(self._problem((*terms, *contact), self._tie) for terms in self._volume_stages)
 
     def _problem(self, terms: Sequence[Term], tie: Tie | None = None) -> Problem:
         return Problem(self.space, terms, self.motion.fixed, tie=tie, length=self._scales.length)
@@ -200,8 +206,7 @@ class Problems:
     @cached_property
     def closing_problems(self) -> tuple[Problem, ...]:
         """The tied solid whose lumens touch themselves, and walls each other around spaces, stage by stage."""
-        moduli = np.array([law.plane_strain_modulus for law in self.discretisation.walls])
-        around = contact_around_spaces(self.walls, moduli, self._reach, self.options.contact)
+        around = contact_around_spaces(self._penalty, self.walls, self._moduli, self._reach, self.options.contact)
         return self._tied_problems((*self._self_contact(1), *around))
 
     @cached_property
@@ -234,9 +239,8 @@ class Problems:
     @property
     def closing(self) -> tuple[Minimiser, ...]:
         """Minimisers of the tied solid whose lumens and free walls touch; none where none can."""
-        if len(self.closing_problems[-1].terms) == len(self.tied_problems[-1].terms):
-            return ()
-        return tuple(self._minimiser(problem, self.longest_step) for problem in self.closing_problems)
+        is_any = len(self.closing_problems[-1].terms) > len(self.tied_problems[-1].terms)
+        return tuple(self._minimiser(problem, self.longest_step) for problem in self.closing_problems if is_any)
 
     @property
     def released(self) -> Released:
@@ -266,8 +270,7 @@ class Problems:
     def continuation(self) -> Continuation:
         """The path on which equilibria of released walls are selected."""
         scales, options = self._scales, self.options.solver.continuation
-        # Contact is as stiff as the softer body of a pair; what the proximal term has to outweigh at first is the
-        # stiffest.
+        # Contact is as stiff as the softer body of a pair; at first the proximal term has to outweigh the stiffest.
         contrast = scales.stiffest / scales.softest
         first = options.first_overlapping if self._overlaps_at_rest(_TOUCHING) else options.first * contrast
         if isfinite(self.setup.accuracy):

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
+from ngcell.contact.methods.by_penalty import Penalty
+from ngcell.contact.methods.protocol import Adapting
 from ngcell.contact.methods.terms import ContactTerm
 from ngcell.contact.options import ContactOptions
 from ngcell.contact.pairing.near import Reach
@@ -18,32 +19,21 @@ from ngcell.problem.tie import coincident_facets
 class ContactAroundSpaces(ContactTerm):
     """Contact of one stage: its penalty terms follow no softer ones, and begin to adapt with each tied state."""
 
-    method: PenaltyContact
-
     def reset(self) -> None:
         """Forget what the penalty was raised to, and let it adapt again."""
-        self.method.restart()
+        if isinstance(self.method, Adapting):
+            self.method.restart()
 
 
 def contact_around_spaces(
-    walls: Surface, modulus_of_body: NDArray[np.float64], reach: Reach, options: ContactOptions
+    penalty: Penalty, walls: Surface, modulus_of_body: NDArray[np.float64], reach: Reach, options: ContactOptions
 ) -> tuple[Term, ...]:
-    """Return contact between bodies of the walls that coincide with no other at rest, by a penalty; in the plane only.
+    """Return contact by a penalty of the walls that coincide with no other at rest; in the plane only.
 
-    Parameters
-    ----------
-    walls : Surface
-        The walls.
-    modulus_of_body : array of float, shape (bodies,)
-        Plane-strain modulus of each body [stress].
-    reach : float or array of float, shape (bodies,)
-        Distance up to which walls are paired [length].
-    options : ContactOptions
-        The solver's own numbers.
+    Parameters are those of `ngcell.contact.methods.stages.ContactChoice.stages`.
     """
     free = np.setdiff1d(np.arange(walls.facet_count), coincident_facets(walls))
     if not isinstance(walls, EdgeSurface) or len(np.unique(walls.body[free])) < 2:
         return ()
-    mine = walls.chosen(free)
-    stiffness = penalty_stiffness(mine, modulus_of_body, options.penalty_multiple)
-    return (ContactAroundSpaces(PenaltyContact(mine, stiffness, reach, options=options)),)
+    *_, meant = penalty.stages(walls.chosen(free), modulus_of_body, reach=reach, options=options)
+    return (ContactAroundSpaces(meant),)
