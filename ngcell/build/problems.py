@@ -119,15 +119,6 @@ class Problems:
         """The terms of bodies and loads, from the bulk modulus that paths are followed with to the one meant."""
         return (*self._softened_from(self.options.solver.direct_bulk), fused(self._terms))
 
-    @cached_property
-    def _stages_of_released(self) -> tuple[tuple[Term, ...], ...]:
-        """The same of released walls. On a mesh that only leads to finer ones, the path is followed with fillings that
-        change their volume more easily."""
-        is_filling, options = self.bodies.is_filling, self.options.solver
-        if is_filling is None or not (is_filling.any() and options.continuation.only_leads):
-            return self._volume_stages
-        return (*self._softened_from(options.transferred_bulk), fused(self._terms))
-
     def _softened_from(self, bound: float) -> list[tuple[Term, ...]]:
         """Return these terms with ratios of bulk to shear modulus from `bound` to less than the one that is meant."""
         stages = []
@@ -222,7 +213,7 @@ class Problems:
     @cached_property
     def released_problems(self) -> tuple[Problem, ...]:
         """The tissue with its walls in unilateral contact, stage by stage."""
-        *softer, meant = self._stages_of_released
+        *softer, meant = self._volume_stages
         stages = [(terms, self._contacts[0]) for terms in softer] + [(meant, contact) for contact in self._contacts]
         return tuple(self._released_problem(*stage) for stage in stages)
 
@@ -245,7 +236,7 @@ class Problems:
     @property
     def released(self) -> Released:
         """Minimisers of the released walls, and the continuation that selects one of their equilibria."""
-        apart = self._released_problem(self._stages_of_released[0], ())
+        apart = self._released_problem(self._volume_stages[0], ())
         return Released(
             self._minimiser(apart, self.longest_step),
             tuple(self._minimiser(problem, self.longest_step) for problem in self.released_problems),
@@ -258,11 +249,12 @@ class Problems:
     def softer_in_bulk(self, count: int) -> tuple[Minimiser, ...]:
         """Return minimisers of released walls of smaller bulk moduli, with which a state from a coarser mesh goes on.
 
-        Their contact is the first of the last `count` stages. There are none where nothing needs the mixed method: its
-        volume is free between the points of the coarser mesh.
+        Their contact is the first of the last `count` stages. There are none where nothing that needs the mixed method,
+        whose volume is free between the points of the coarser mesh, needs stages on the path, too.
         """
-        is_needed = any(term.mixed_incompressibility for term in self._terms)
-        stages = self._softened_from(self.options.solver.transferred_bulk) if is_needed else []
+        options = self.options.solver
+        is_needed = any(term.mixed_incompressibility > options.direct_bulk for term in self._terms)
+        stages = self._softened_from(options.transferred_bulk) if is_needed else []
         problems = (self._released_problem(terms, self._contacts[-count]) for terms in stages)
         return tuple(self._minimiser(problem, self.longest_step) for problem in problems)
 

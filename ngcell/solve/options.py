@@ -227,8 +227,8 @@ class SolverOptions:
         Ratio of bulk to shear modulus up to which a law is followed as it is, and the factor between the stages beyond
         it: there Newton's method crawls along the curved valley of constant volume.
     transferred_bulk : float
-        That ratio for states from a coarser mesh, which change their volume on the finer one, and where walls of
-        filled lumens are released on a mesh that only leads to finer ones.
+        That ratio for states from a coarser mesh of what is beyond `direct_bulk`: they change their volume on the finer
+        one.
     handed_on : float
         Decrement of a minimisation on a finer mesh from which a stiffer one, or multipliers, go on, as a share of the
         energy.

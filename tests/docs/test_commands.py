@@ -71,7 +71,8 @@ def small(command: str) -> list[str]:
     """Return the words of a command of `ngcell` that does as it says to a tissue of two cells, or foresees a sweep."""
     words = [PLACES.get(word, word) for word in shlex.split(command)[1:]]
     if words[0] in {"check", "solve", "export-febio"} and "--resume" not in words:
-        words += [part for entry in SMALL for part in ("--set", entry)]
+        entries = (*SMALL, "mesh.order=1") if "shear-empty-3d" in words else SMALL
+        words += [part for entry in entries for part in ("--set", entry)]
     if "--members" in words:
         words[words.index("--members") + 1] = "2"
     if words[0] == "solve" and "--resume" not in words:

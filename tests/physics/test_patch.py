@@ -73,7 +73,7 @@ def assert_uniform(state: Equilibrium, pressure: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("sizes", "order"), [((0.4, 0.27), 1), ((0.4, 0.27), 2), ((0.4, 0.27), 3), ((0.4, 0.27), 4), ((0.2, 0.3), 2)]
+    ("sizes", "order"), [((0.4, 0.27), 1), ((0.4, 0.27), 4), ((0.2, 0.3), 2)]
 )
 def test_confined_blocks_press_uniformly(sizes, order):
     exact = -RadialSolid(0.8, 0.2, SPONGE).slopes(1.0, STRETCH)[1]
@@ -81,7 +81,7 @@ def test_confined_blocks_press_uniformly(sizes, order):
 
 
 @pytest.mark.parametrize(
-    ("sizes", "order"), [((0.4, 0.27), 1), ((0.4, 0.27), 2), ((0.4, 0.27), 3), ((0.22, 0.3), 2)]
+    ("sizes", "order"), [((0.4, 0.27), 1), ((0.4, 0.27), 3), ((0.22, 0.3), 2)]
 )
 def test_k1_blocks_with_free_sides_press_uniformly(sizes, order):
     assert_uniform(pressed(STRETCH, sizes, order, confined=False), compressed(STRETCH).nominal_pressure)

@@ -72,10 +72,9 @@ def test_the_proximal_term_holds_bodies_where_they_are_and_leaves_no_force():
     assert share_that_holds_bodies(found) < share_that_holds_bodies(of_one_centre)
 
 
-@pytest.mark.parametrize("weight", [1e-5, 1e-3])
-def test_the_weight_with_which_it_does_changes_nothing_that_was_asked_for(weight: float):
+def test_the_weight_with_which_it_does_changes_nothing_that_was_asked_for():
     *_, usual = steps()
-    continuation = ContinuationOptions(recentred=weight)
+    continuation = ContinuationOptions(recentred=1e-3)
     case = ngcell.read_case("shear-empty-3x3", SMALL)
     *_, other = ngcell.simulate(case, options=Options(solver=SolverOptions(continuation=continuation)))
     assert other.record.certified
@@ -193,18 +192,17 @@ def test_a_run_without_accuracy_says_that_nothing_was_estimated(tmp_path: Path):
     assert ngcell.inspect(case)["error_not_estimated"] == "accuracy = inf"
 
 
-@pytest.mark.parametrize("contact", ["penalty", "mortar"])
-def test_without_an_estimate_the_solver_is_as_exact_as_with_one_and_the_mesh_is_that_of_the_load_path(contact):
+def test_without_an_estimate_the_solver_is_as_exact_as_with_one_and_the_mesh_is_that_of_the_load_path():
     """Contact is as stiff, and the end of the continuation as near, as on the same mesh with an estimate."""
-    sets = ("mesh.order=3", "accuracy=0.1", f"contact.kind={contact}")
+    sets = ("mesh.order=3", "accuracy=0.1")
     *_, told = steps(*sets)
     *_, plain = steps(*sets, "estimate_error=false")
     assert isfinite(told.record.energy_error) and isnan(plain.record.energy_error)
     assert plain.record.certified and plain.mesh == told.mesh and len(plain.meshes) == 1
     for name in ("energy", "plate_force_x", "mean_gap"):
         assert getattr(plain.record, name) == getattr(told.record, name), name
-    *_, endless = steps("mesh.order=3", "accuracy=inf", f"contact.kind={contact}")
-    assert plain.record.iterations <= endless.record.iterations  # of a small scene by the mortar as many
+    *_, endless = steps("mesh.order=3", "accuracy=inf")
+    assert plain.record.iterations < endless.record.iterations
     found = ngcell.inspect(ngcell.read_case("shear-empty-3x3", [*SMALL, *sets, "estimate_error=false"]))
     assert found["error_not_estimated"] == "estimate_error = false" and found["accuracy"] is None
 
