@@ -10,6 +10,7 @@ from ngcell.contact.methods.protocol import Adapting
 from ngcell.contact.methods.terms import ContactTerm
 from ngcell.contact.options import ContactOptions
 from ngcell.contact.pairing.near import Reach
+from ngcell.contact.surface.edges import EdgeSurface
 from ngcell.contact.surface.surface import Surface
 from ngcell.mechanics.term import Term
 from ngcell.problem.tie import coincident_facets
@@ -27,12 +28,12 @@ class ContactAroundSpaces(ContactTerm):
 def contact_around_spaces(
     penalty: Penalty, walls: Surface, modulus_of_body: NDArray[np.float64], reach: Reach, options: ContactOptions
 ) -> tuple[Term, ...]:
-    """Return contact by a penalty of the walls that coincide with no other at rest.
+    """Return contact by a penalty of the walls that coincide with no other at rest; in the plane only.
 
     Parameters are those of `ngcell.contact.methods.stages.ContactChoice.stages`.
     """
     free = np.setdiff1d(np.arange(walls.facet_count), coincident_facets(walls))
-    if len(np.unique(walls.body[free])) < 2:
+    if not isinstance(walls, EdgeSurface) or len(np.unique(walls.body[free])) < 2:
         return ()
     *_, meant = penalty.stages(walls.chosen(free), modulus_of_body, reach=reach, options=options)
     return (ContactAroundSpaces(meant),)

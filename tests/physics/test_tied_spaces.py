@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from math import inf
-from typing import Any
 
 import pytest
 
@@ -12,20 +11,19 @@ from ngcell.build.reported import Step
 from tests.prisms import MATERIAL
 
 
-TISSUE = {"rows": 2, "cols": 2, "wall": 0.129, "orientation": "flat", "corner_radius": 0.566}
-LOAD = {"kind": "frame", "stretch": [0.911, 0.955], "levels": 1}
-HEIGHT = 0.3
-
-
-def case(mesh: dict[str, Any], *, tissue: dict[str, Any] | None = None, load: dict[str, Any] | None = None) -> Case:
-    """The tissue between the sides of a frame that close in; entries that are given join its own."""
-    parts = {"tissue": TISSUE | (tissue or {}), "load": LOAD | (load or {})}
-    return Case.model_validate({**parts, "material": MATERIAL, "mesh": mesh, "accuracy": inf})
-
-
 @pytest.fixture(scope="module")
 def pressed() -> list[Step]:
-    return simulate(case({"order": 3}))
+    return simulate(
+        Case.model_validate(
+            {
+                "tissue": {"rows": 2, "cols": 2, "wall": 0.129, "orientation": "flat", "corner_radius": 0.566},
+                "material": MATERIAL,
+                "load": {"kind": "frame", "stretch": [0.911, 0.955], "levels": 1},
+                "mesh": {"order": 3},
+                "accuracy": inf,
+            }
+        )
+    )
 
 
 def value(step: Step, name: str) -> float:
@@ -45,14 +43,3 @@ def test_walls_that_are_released_store_less(pressed: list[Step]) -> None:
     tied, released = pressed
     assert released.record.energy < tied.record.energy
     assert value(released, "energy_above_tied") == 0
-
-
-def test_prisms_are_tied_as_planar_cells_are() -> None:
-    planar, *_ = simulate(case({"order": 1, "size": 2.0}))
-    prisms, *_ = simulate(
-        case({"order": 1, "size": 2.0, "slices": 1}, tissue={"height": HEIGHT}, load={"ends": "held"})
-    )
-    assert value(planar, "penetration_over_wall") > 1e-3
-    for name in ("penetration_over_wall", "residual"):
-        assert value(prisms, name) == pytest.approx(value(planar, name), rel=1e-6, abs=1e-9), name
-    assert prisms.record.energy == pytest.approx(HEIGHT * planar.record.energy, rel=1e-9)
