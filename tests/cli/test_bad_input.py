@@ -171,9 +171,8 @@ def test_full_standard_output_is_one_line():
         ]
 
 
-@pytest.mark.parametrize("streams", ["<&- >&- 2>&-", "2>/dev/full"])
-def test_a_run_needs_no_standard_streams(tmp_path, streams):
+def test_a_run_needs_no_standard_streams(tmp_path):
     words = " ".join(f"'{word}'" for word in [sys.executable, "-m", "ngcell", "solve", *SMALL, "--out", str(tmp_path)])
-    assert subprocess.run(f"{words} {streams}", shell=True, stdout=subprocess.DEVNULL).returncode == 0
+    assert subprocess.run(f"{words} <&- >&- 2>&-", shell=True, stdout=subprocess.DEVNULL).returncode == 0
     assert (tmp_path / "history.csv").read_text().startswith("step,")
     assert '"finished"' in (tmp_path / "summary.json").read_text()

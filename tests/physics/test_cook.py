@@ -75,10 +75,9 @@ def test_the_corner_moves_as_published():
     np.testing.assert_allclose(moved, PUBLISHED, rtol=5e-3)
 
 
-@pytest.mark.parametrize("order", [2, 3])
-def test_a_coarse_mesh_is_as_good_however_incompressible(order):
+def test_a_coarse_mesh_is_as_good_however_incompressible():
     """A mesh that locks is the stiffer the less compressible; here the error of 4 x 4 elements stays what it is."""
-    errors = [corner(4, order, ratio)[0][1] / corner(8, order, ratio)[0][1] - 1 for ratio in (50.0, 5000.0, 1e5)]
+    errors = [corner(4, 2, ratio)[0][1] / corner(8, 2, ratio)[0][1] - 1 for ratio in (50.0, 5000.0, 1e5)]
     assert np.abs(errors).max() < 0.015
     assert np.ptp(errors) < 2e-3
 

@@ -56,7 +56,7 @@ def pressed_full(shape: str) -> Step:
     return step
 
 
-@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("shape", ["disc", "wedge"])
 def test_the_work_of_the_indenter_is_the_energy(shape):
     steps = {step.record.load_factor: step.record for step in followed({**SHAPES[shape], "levels": NEAR_FULL})}
     before, full, middle = steps[0.96], steps[1.0], steps[0.98]

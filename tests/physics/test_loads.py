@@ -46,8 +46,9 @@ def inflated(kappa: float, *, whole: bool) -> Equilibrium:
     return last(tube(kappa, whole=whole))
 
 
-@pytest.mark.parametrize("whole", [True, False], ids=["whole", "quarter"])
-@pytest.mark.parametrize(("kappa", "listed"), [(1000.0, 1.500560), (100.0, 1.505637)])
+@pytest.mark.parametrize(
+    ("whole", "kappa", "listed"), [(True, 1000.0, 1.500560), (False, 100.0, 1.505637)], ids=["whole", "quarter"]
+)
 def test_a_pressure_inflates_the_thick_cylinder(whole, kappa, listed):
     final = inflated(kappa, whole=whole)
     exact = inflated_radius(RadialSolid(0.5, 0.5, kappa), INNER, OUTER, PRESSURE)

@@ -56,10 +56,9 @@ def test_energy_and_forces_are_those_of_a_penalty_up_to_its_overlaps():
     assert mortar.record.plate_force_y == pytest.approx(penalty.record.plate_force_y, rel=0.02)
 
 
-@pytest.mark.parametrize("multiple", [0.1, 10.0])
-def test_the_stiffness_of_the_penalty_terms_leaves_no_trace(multiple, monkeypatch):
+def test_the_stiffness_of_the_penalty_terms_leaves_no_trace(monkeypatch):
     _, usual = solved()
-    options = ContactOptions(mortar_multiple=multiple * ContactOptions().mortar_multiple)
+    options = ContactOptions(mortar_multiple=10 * ContactOptions().mortar_multiple)
     monkeypatch.setattr(Mortar, "stages", partialmethod(Mortar.stages, options=options))
     *_, other = Simulation(case()).accepted_steps()
     assert other.record.energy == pytest.approx(usual.record.energy, rel=1e-7)
