@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ngsolve
 import numpy as np
-import pytest
 from netgen.meshing import Mesh
 
 from ngcell.geometry.bodies import FILLING, BodyMesh
