@@ -126,7 +126,7 @@ def pressed(cohesion: Cohesion | None) -> Step:
 def test_bonds_that_were_opened_go_back_along_the_secant():
     law = Cohesion(strength=0.1, energy=ENERGY)
     levels = (0.5, 1.0, 0.5, 0.0)
-    case = blocks_case(6.0 * law.peak, 40, Cohesion(strength=0.1, energy=ENERGY)).model_copy(update={"levels": levels})
+    case = blocks_case(6.0 * law.peak, 8, law).model_copy(update={"levels": levels})
     steps = list(Simulation(case).accepted_steps())
     rows = [step.record for step in steps]
     assert all(row.certified for row in rows)
