@@ -105,7 +105,7 @@ def _pair_of_solids(far_height: float, accuracy: float) -> tuple[float, float]:
     if far_height:
         bodies.append(_box("far", (40, 0, 40), (0.4, 0.4, far_height)))
         supports.append(BodySupport("far_low"))
-    scene = BodyScene(tuple(bodies), tuple(supports), size=0.5, order=1, levels=1, accuracy=accuracy)
+    scene = BodyScene(tuple(bodies), tuple(supports), size=1.0, order=1, levels=1, accuracy=accuracy)
     wall = _of_the_two(list(Simulation(scene).accepted_steps())[-1])
     return wall.normal_force, wall.mean_gap
 
