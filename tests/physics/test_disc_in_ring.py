@@ -39,11 +39,11 @@ def of_disc_and_ring(accuracy: float) -> Step:
 
 
 def test_a_disc_in_a_shrinking_ring_is_one_disc() -> None:
-    """It was not finished after 400 s."""
+    """It was not finished after 400 s, and takes 121 factorisations."""
     both = of_disc_and_ring(inf)
     assert both.record.certified
     assert both.record.energy == pytest.approx(of_one_disc(), rel=0.002)
-    assert both.record.factorisations < 2000
+    assert both.record.factorisations < 250
     (wall,) = both.walls
     assert wall.normal_force > 10
 

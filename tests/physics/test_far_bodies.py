@@ -111,5 +111,5 @@ def _pair_of_solids(far_height: float, accuracy: float) -> tuple[float, float]:
 
 
 def test_a_far_solid_changes_nothing() -> None:
-    """At a finite accuracy one that is thin limited the steps of all, and moved the force by 0.3 %."""
+    """At a finite accuracy one that is thin limited the steps of all, and moved the force by 2 %."""
     assert _pair_of_solids(0.2, accuracy=0.15) == pytest.approx(_pair_of_solids(0.0, accuracy=0.15), rel=1e-8)
