@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -22,8 +23,13 @@ def dotted(module: Path) -> str:
 MODULES = {dotted(module): module for module in sorted(PACKAGE.rglob("*.py"))}
 
 
-def imported(module: str) -> Iterator[str]:
-    """Yield the modules of the package that a module imports, wherever; those only for type checkers count too."""
+@cache
+def imported(module: str) -> frozenset[str]:
+    """Return the modules of the package that a module imports, wherever; those only for type checkers count too."""
+    return frozenset(_imported(module))
+
+
+def _imported(module: str) -> Iterator[str]:
     path = MODULES[module]
     package = module.split(".") if path.stem == "__init__" else module.split(".")[:-1]
     for node in ast.walk(ast.parse(path.read_text())):
@@ -41,7 +47,7 @@ def _module(source: str, name: str) -> str | None:
 
 
 def circle(modules: set[str]) -> list[str]:
-    graph = {module: sorted(set(imported(module)) & modules - {module}) for module in sorted(modules)}
+    graph = {module: sorted(imported(module) & modules - {module}) for module in sorted(modules)}
     try:
         TopologicalSorter(graph).prepare()
     except CycleError as error:

@@ -82,15 +82,21 @@ def words(line: str) -> str:
 
 def found(text: str) -> list[str]:
     """Return the words of a text that are not used, each with its line's number."""
-    other = re.compile("|".join(rf"\b(?:{pattern})\b" for pattern in EXCEPTIONS))
-    ours = {re.compile(rf"\b(?:{pattern})\b"): instead for pattern, instead in INSTEAD.items()}
+    other, any_of_ours = whole(*EXCEPTIONS), whole(*INSTEAD)
+    ours = {whole(pattern): instead for pattern, instead in INSTEAD.items()}
     lines = [other.sub("", words(line)) for line in text.splitlines()]
     return [
         f"{number}: '{match.group()}' ({instead})"
         for number, line in enumerate(lines, 1)
+        if any_of_ours.search(line)
         for pattern, instead in ours.items()
         for match in pattern.finditer(line)
     ]
+
+
+def whole(*patterns: str) -> re.Pattern[str]:
+    """Return the pattern of any of these, as whole words."""
+    return re.compile("|".join(rf"\b(?:{pattern})\b" for pattern in patterns))
 
 
 @pytest.mark.parametrize("path", list(texts()), ids=lambda path: str(path.relative_to(ROOT)))
