@@ -9,6 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_matrix, tril
 
 from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
 from ngcell.contact.methods.protocol import ContactSet
@@ -172,14 +173,10 @@ def single_step(released: Released, motion: Motion, *, steps: Sequence[float]) -
     return SingleStep().follow(task, Progress())
 
 
-def dense_stiffness(problem: Problem, line: Linearisation) -> Array:
-    """The whole tangent as a full matrix: bodies, curvature of the contacts, penalty terms of closed ones."""
-    rows, columns = problem.pattern
+def whole_tangent(problem: Problem, line: Linearisation) -> csr_matrix:
+    """The whole tangent: bodies, curvature of the contacts, penalty terms of closed ones."""
     size = len(problem.free)
-    matrix = np.zeros((size, size))
-    np.add.at(matrix, (rows, columns), line.stiffness)
-    matrix = matrix + np.tril(matrix, -1).T
-    if line.curvature is not None:
-        matrix += line.curvature.toarray()
-    closed = line.jacobian[np.flatnonzero(line.gap < 0)].toarray()
-    return matrix + closed.T @ (line.penalty[line.gap < 0][:, None] * closed)
+    lower = csr_matrix((line.stiffness, problem.pattern), shape=(size, size))
+    closed = line.jacobian[np.flatnonzero(line.gap < 0)]
+    matrix = lower + tril(lower, -1).T + closed.T @ closed.multiply(line.penalty[line.gap < 0][:, None])
+    return csr_matrix(matrix if line.curvature is None else matrix + line.curvature)

@@ -7,7 +7,7 @@ import pytest
 
 from ngcell.contact.cohesion.bonds import Bonds
 from ngcell.problem.problem import Problem
-from tests.tissues import contact_set, dense_stiffness
+from tests.tissues import contact_set, whole_tangent
 
 
 def assert_derivatives(problem: Problem, at: np.ndarray, way: np.ndarray, step: float, rel: float) -> None:
@@ -16,7 +16,7 @@ def assert_derivatives(problem: Problem, at: np.ndarray, way: np.ndarray, step: 
     after, before = problem.at(at + step * way), problem.at(at - step * way)
     force = problem.gradient(state)
     assert (after.energy - before.energy) / (2 * step) == pytest.approx(force @ way, rel=rel)
-    bent = dense_stiffness(problem, problem.linearise(state)) @ way
+    bent = whole_tangent(problem, problem.linearise(state)) @ way
     change = (problem.gradient(after) - problem.gradient(before)) / (2 * step)
     np.testing.assert_allclose(change, bent, atol=2e-6 * np.abs(bent).max())
 

@@ -25,8 +25,8 @@ from tests.tissues import (
     SmallTissue,
     contact_set,
     contact_term,
-    dense_stiffness,
     small_tissue,
+    whole_tangent,
 )
 
 ORDERS = [1, 2, 3, 4]
@@ -128,7 +128,7 @@ def tangent_miss(pair: Cells, state: State) -> float:
     """How far the tangent times a direction is off the change of the forces, as a share of it."""
     way, step = pair.tissue.smooth(1.0, 8), 1e-5
     problem = pair.problem
-    bent = dense_stiffness(problem, problem.linearise(state)) @ way
+    bent = whole_tangent(problem, problem.linearise(state)) @ way
     after, before = (problem.gradient(problem.at(state.displacement + size * way)) for size in (step, -step))
     return float(np.abs((after - before) / (2 * step) - bent).max() / np.abs(bent).max())
 

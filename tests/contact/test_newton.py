@@ -8,7 +8,7 @@ import pytest
 from ngcell.problem.problem import Problem
 from ngcell.solve.minimum import Ending
 from ngcell.solve.proximal import ProximalTerm
-from tests.tissues import SmallTissue, contact_set, dense_stiffness, small_tissue
+from tests.tissues import SmallTissue, contact_set, small_tissue, whole_tangent
 
 
 def pressed_cells(order: int) -> SmallTissue:
@@ -23,7 +23,7 @@ def pressed_cells(order: int) -> SmallTissue:
 
 def newton_step(problem: Problem, displacement: np.ndarray) -> np.ndarray:
     state, free = problem.at(displacement), np.flatnonzero(problem.free)
-    tangent = dense_stiffness(problem, problem.linearise(state))[np.ix_(free, free)]
+    tangent = whole_tangent(problem, problem.linearise(state)).toarray()[np.ix_(free, free)]
     moved = displacement.copy()
     moved[free] -= np.linalg.solve(tangent, problem.gradient(state)[free])
     return moved

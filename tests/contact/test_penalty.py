@@ -12,7 +12,7 @@ from ngcell.contact.pairing.facing import find_facing
 from ngcell.mechanics.stored import StoredEnergy
 from ngcell.mechanics.term import Role
 from ngcell.scene import Penalty
-from tests.tissues import LAW, SmallTissue, contact_set, dense_stiffness, small_tissue
+from tests.tissues import LAW, SmallTissue, contact_set, small_tissue, whole_tangent
 
 
 def moved(tissue: SmallTissue, depth: float, amplitude: float = 0.02) -> np.ndarray:
@@ -34,7 +34,7 @@ def test_forces_and_tangent_are_derivatives_of_one_energy(order, depth):
     after, before = problem.at(at + step * way), problem.at(at - step * way)
     force = problem.gradient(state)
     assert (after.energy - before.energy) / (2 * step) == pytest.approx(force @ way, rel=1e-7)
-    bent = dense_stiffness(problem, problem.linearise(state)) @ way
+    bent = whole_tangent(problem, problem.linearise(state)) @ way
     change = (problem.gradient(after) - problem.gradient(before)) / (2 * step)
     np.testing.assert_allclose(change, bent, atol=1e-6 * np.abs(bent).max())
 
