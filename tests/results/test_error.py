@@ -8,7 +8,7 @@ from math import inf, isnan
 import numpy as np
 import pytest
 
-from ngcell.results.error import SURE, Errors, Numbers, errors_beside, estimate
+from ngcell.results.error import OF_ENERGY, SURE, Errors, Numbers, errors_beside, estimate
 from ngcell.results.gaps_of_pairs import GapsOfPairs
 from ngcell.results.parts_of_error import MOST_REMAINS, Refining, error_in_parts
 
@@ -124,6 +124,14 @@ def test_soft_contact_adds_to_forces_by_its_share_of_the_energy_and_to_gaps_by_t
     still = estimate([numbers(2.0, force=3.0), found[1]], by_order(0.5))
     assert (still.plate_force, still.contact_force) == pytest.approx((0.03, 0.01), rel=1e-12)
     assert (still.mean_gap, still.largest_gap) == pytest.approx((1e-3, 1e-3), rel=1e-12)
+
+
+def test_a_mean_gap_that_stays_is_told_a_share_of_the_error_of_the_energy():
+    still = estimate([numbers(2.2, gap=0.5), numbers(2.0, gap=0.5)], by_order(0.5))
+    assert still.mean_gap / 0.5 == pytest.approx(OF_ENERGY * 0.2 / 2.0, rel=1e-12)
+    assert still.relative == pytest.approx(0.1, rel=1e-12)  # which decides nothing
+    moved = estimate([numbers(2.2, gap=0.6), numbers(2.0, gap=0.5)], by_order(0.5))
+    assert moved.mean_gap == pytest.approx(0.1, rel=1e-12)
 
 
 def test_a_mean_gap_below_zero_errs_by_no_less_than_itself():
