@@ -153,7 +153,7 @@ _TOLD = ("potential", *_REPORTED)
 #: How often the sum of the parts of an error is told after a grade alone: finest meshes have found up to 1.6 times.
 SURE = 1.75
 #: Least relative error of a mean gap over that of the energy. Of 16 runs that were taken on to the finest mesh 13 err
-#: by less than this share of what is told of the energy; in the other three cells have slid on (docs/accuracy.md).
+#: by less than this share of what is told of the energy; of the other three the meshes tell more (docs/accuracy.md).
 OF_ENERGY = 1 / 3
 
 
