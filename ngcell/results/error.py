@@ -150,7 +150,7 @@ ERROR_NAMES = ("energy", "plate_force", "contact_force", "mean_gap", "largest_ga
 _GAPS = ("mean_gap", "largest_gap")
 _REPORTED = ("utilisation", *ERROR_NAMES)
 _TOLD = ("potential", *_REPORTED)
-#: How often the sum of the parts of an error is told after a grade alone: finest meshes have found up to 1.6 times.
+#: How often the sum of parts is told after a grade alone: finest meshes have found 1.6 times it (corners outside).
 SURE = 1.75
 #: Least relative error of a mean gap over that of the energy. Of 16 runs that were taken on to the finest mesh 13 err
 #: by less than this share of what is told of the energy; of the other three the meshes tell more (docs/accuracy.md).

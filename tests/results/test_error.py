@@ -129,7 +129,7 @@ def test_soft_contact_adds_to_forces_by_its_share_of_the_energy_and_to_gaps_by_t
 def test_a_mean_gap_that_stays_is_told_a_share_of_the_error_of_the_energy():
     still = estimate([numbers(2.2, gap=0.5), numbers(2.0, gap=0.5)], by_order(0.5))
     assert still.mean_gap / 0.5 == pytest.approx(OF_ENERGY * 0.2 / 2.0, rel=1e-12)
-    assert still.relative == pytest.approx(0.1, rel=1e-12)  # which decides nothing
+    assert still.relative == pytest.approx(0.1, rel=1e-12)  # that of the energy
     moved = estimate([numbers(2.2, gap=0.6), numbers(2.0, gap=0.5)], by_order(0.5))
     assert moved.mean_gap == pytest.approx(0.1, rel=1e-12)
 
