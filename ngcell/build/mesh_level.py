@@ -170,7 +170,7 @@ class Level(Generic[Scene]):
         _log.info("mesh %d: nothing was found beside the coarser mesh; the whole path is followed", coarse.level + 1)
         load = before.load_factor
         centre = mine.motion.lifting(load)
-        mine.renew_budget()
+        mine.renew_budget(mine.options.solver.work_of_mesh)
         self._released.problem.reset()
         try:
             step = self._released.step(centre, centre, load)
@@ -228,7 +228,7 @@ class Level(Generic[Scene]):
     ) -> None:
         """Let loads act, and terms take over what they may from stages before and from the coarser mesh."""
         accepted, released = coarse.accepted, self._released
-        self.simulation.renew_budget()
+        self.simulation.renew_budget(self.simulation.options.solver.work_of_mesh)
         for minimiser in (*softer, *minimisers):
             minimiser.forget_matrix()
             minimiser.problem.apply(accepted.load_factor)

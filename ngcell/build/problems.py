@@ -287,6 +287,6 @@ class Problems:
             return self.released_problems[-2]
         return self.closing_problems[-1] if phase == "tied" else self.problem
 
-    def renew_budget(self) -> None:
-        """Give the minimisers of this mesh all of their work."""
-        self._budget.renew()
+    def renew_budget(self, times: float = 1.0) -> None:
+        """Give the minimisers of this mesh all of their work, so many times the usual."""
+        self._budget.renew(times)

@@ -55,16 +55,17 @@ class Budget:
     most: float = float("inf")
     _efforts: list[Effort] = field(default_factory=list)
     _before: int = 0
+    _times: float = 1.0
 
-    def renew(self) -> None:
-        """Begin with the next step."""
-        self._before = self._work
+    def renew(self, times: float = 1.0) -> None:
+        """Begin with the next step, which may take so many times the usual work."""
+        self._before, self._times = self._work, times
 
     def charge(self, effort: Effort) -> None:
         """Count what a minimiser spends from now on; raise `OutOfIterations` if all of them have spent too much."""
         if not any(known is effort for known in self._efforts):
             self._efforts.append(effort)
-        if self._work - self._before >= self.most:
+        if self._work - self._before >= self._times * self.most:
             raise OutOfIterations
 
     @property

@@ -235,6 +235,9 @@ class SolverOptions:
     most_work, work_of_body : int
         Factorisations and refused trial steps of a step, all attempts together: for any scene, and more for each body.
         Iterations would bound no time, since some take a hundred of them.
+    work_of_mesh : int
+        Times of that work which a step may take to go on to a finer mesh, where it is known to be: what a coarse mesh
+        has held up may fall a long way there.
     """
 
     minimiser: MinimiserOptions = field(default_factory=MinimiserOptions)
@@ -247,6 +250,7 @@ class SolverOptions:
     handed_on: float = 1e-8
     most_work: int = 3000
     work_of_body: int = 30
+    work_of_mesh: int = 3
 
     def work_of(self, bodies: int) -> int:
         """Return what a step with so many bodies may take."""

@@ -36,3 +36,14 @@ def test_a_budget_counts_all_efforts_of_a_step():
         budget.charge(one)
     budget.renew()
     budget.charge(one)
+
+
+def test_a_step_that_goes_on_to_a_finer_mesh_may_take_more():
+    budget, effort = Budget(5), Effort()
+    budget.charge(effort)
+    budget.renew(3.0)
+    effort.factorisations = 14
+    budget.charge(effort)
+    effort.refusals = 1
+    with pytest.raises(OutOfIterations):
+        budget.charge(effort)
