@@ -8,8 +8,7 @@ result (`ngcell.solve.newton` finds the steps). Where contact has multipliers, a
 without the part of the curvature of gaps that bends it downwards: walls that slide a long way then take half of the
 iterations. What is convex though the energy is not makes steps that are too short, and near a saddle they grow by a
 fourth each; where the energy falls nearly straight on along a step, longer ones are tried.
-
-Near the minimum differences of energies drown in round-off: there the model alone is trusted.
+Near the minimum differences of energies drown in round-off: there the model is trusted, and forces along its step.
 """
 
 from __future__ import annotations
@@ -220,15 +219,14 @@ class Minimiser:
 
     def _unseen(self, state: State) -> float:
         """Return the decrement that is lost where iterations lead nowhere [energy]."""
-        numbers = self.options
-        return max(numbers.stalled * abs(state.energy), numbers.unseen * numbers.noise * self.energy_scale)
+        least, noise = self.options.stalled, self.options.unseen * self.options.noise
+        return max(least * abs(state.energy), noise * self.energy_scale)
 
     def _ending_of_stall(self, state: State, proximal: ProximalTerm) -> Ending:
         """Return what iterations that lead nowhere mean: damping makes decrements small, whatever the forces are."""
         model, matrix = self.assembly.model(state, self.problem.linearise(state), proximal)
-        found = self._newton.step(model, matrix)
-        is_balanced = found.change <= 0 and found.decrement <= self._unseen(state)
-        return Ending.STALLED if is_balanced else Ending.NO_DESCENT
+        found, least = self._newton.step(model, matrix), self._unseen(state)
+        return Ending.STALLED if found.change <= 0 and found.decrement <= least else Ending.NO_DESCENT
 
     def _at(self, displacement: Array) -> State:
         with self.clock.phase("pairs and energies"):
@@ -265,6 +263,8 @@ class Minimiser:
                 trials = Trials(self.problem, self._at, state, proximal, rounding, energy)
                 trial, gain = trials.after(step)
                 if -lost < change and -lost < gain:
+                    is_exact = self._is_lost(state, found.decrement - tolerance)
+                    trial = trial if is_exact else trials.balanced(step, trial, self._force)
                     return Advance(trial, self._damper.none, found.decrement, is_led, force=force)
                 least = self.options.poor * -change
                 if gain <= least:

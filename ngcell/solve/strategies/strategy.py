@@ -37,8 +37,8 @@ class Problems(Protocol):
     def released(self) -> Released:
         """The released walls."""
 
-    def renew_budget(self) -> None:
-        """Give a further attempt at a step all of the work of a step."""
+    def renew_budget(self, times: float = ...) -> None:
+        """Give a further attempt at a step all of the work of a step, so many times the usual."""
 
 
 @dataclass(frozen=True, eq=False)
