@@ -72,29 +72,38 @@ class LowModes:
     def iterate(self, matrix: SymmetricMatrix, values: Array, steps: int) -> bool:
         """Take so many steps of inverse iteration with a matrix of these values, which couples no two bodies.
 
-        It begins anew, and returns False, where the matrix has no inverse.
+        It begins anew, and returns False, where the matrix has no inverse, or next to none.
         """
         matrix.factorise(values)
         for _ in range(steps):
             before, solved = self._modes * self._is_wall, np.zeros((self._size + 1, self._count))
             for number, mode in enumerate(self._vectors(before).T):
                 solved[:-1, number] = matrix.solve(mode)
-            if not np.isfinite(solved).all():
+            self._modes = solved[self._unknown]
+            if not self._separate(before):
                 self.forget()
                 return False
-            self._modes = solved[self._unknown]
-            turned = self._modes.transpose(0, 2, 1)
-            self._separate(turned @ (self._modes * self._is_wall), turned @ before)
         return True
 
-    def _separate(self, size: Array, energy: Array) -> None:
-        """Let modes be the best ones of each body's subspace, of unit size, the lowest one first (Rayleigh-Ritz)."""
+    @np.errstate(all="ignore")  # what is not finite is told
+    def _separate(self, before: Array) -> bool:
+        """Let modes be the best ones of each body's subspace, of unit size, the lowest one first (Rayleigh-Ritz).
+
+        Where they are not finite, or no wall moves in them, it returns False.
+        """
+        turned = self._modes.transpose(0, 2, 1)
+        size, energy = turned @ (self._modes * self._is_wall), turned @ before
+        if not np.isfinite(size).all():
+            return False
         share, axes = np.linalg.eigh(size)
         share = np.where(self._has_modes[:, None], np.maximum(share, _NOTHING * share[:, -1:]), 1.0)
         to_unit = axes / np.sqrt(share)[:, None, :]
         among = to_unit.transpose(0, 2, 1) @ energy @ to_unit
+        if not np.isfinite(among).all():
+            return False
         self.energies, turn = np.linalg.eigh((among + among.transpose(0, 2, 1)) / 2)
         self._modes = self._modes @ (to_unit @ turn)
+        return True
 
     def _vectors(self, modes: Array) -> Array:
         """Return vectors of all unknowns, each with one mode of every body, shape (unknowns, modes)."""

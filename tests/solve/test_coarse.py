@@ -93,11 +93,13 @@ def test_bodies_of_few_unknowns_have_no_modes():
     assert not modes.basis.toarray()[rows.part == 1].any()
 
 
-def test_modes_of_a_matrix_without_an_inverse_are_none_and_begin_anew():
+@pytest.mark.parametrize("times", [np.nan, 1e-200, 1e200])
+def test_modes_of_a_matrix_without_an_inverse_or_next_to_none_are_none_and_begin_anew(times: float):
+    """What a matrix next to none makes of a mode has no size, or one that is no number."""
     rows = Rows(2)
     modes = LowModes(rows.free, rows.part, rows.free, 2)
     before = modes.basis.data
-    assert not modes.iterate(rows.matrix, np.full_like(rows.values, np.nan), 1)
+    assert not modes.iterate(rows.matrix, times * rows.values, 1)
     np.testing.assert_array_equal(modes.basis.data, before)
     assert modes.iterate(rows.matrix, rows.values, 1)
 
