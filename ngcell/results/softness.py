@@ -30,6 +30,8 @@ def beside_rigid_contact(numbers: Numbers, problem: Problem, state: State, rigid
     """
     way, overlaps = rigid.displacement - state.displacement, problem.overlap_work(state.at)
     changed = abs(overlaps / 2 - float(problem.force(state.at, Role.LOAD) @ way))
+    if not isfinite(changed):
+        return numbers
     numbers = replace(numbers, besides=numbers.besides + max(changed - overlaps, 0.0))
     if not isfinite(rigid.energy):  # too far for forces
         return numbers

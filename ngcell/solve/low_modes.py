@@ -80,7 +80,7 @@ class LowModes:
             for number, mode in enumerate(self._vectors(before).T):
                 solved[:-1, number] = matrix.solve(mode)
             self._modes = solved[self._unknown]
-            if not self._separate(before):
+            if not (np.isfinite(solved).all() and self._separate(before)):
                 self.forget()
                 return False
         return True
