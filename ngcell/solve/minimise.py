@@ -264,7 +264,7 @@ class Minimiser:
                 trial, gain = trials.after(step)
                 if -lost < change and -lost < gain:
                     is_exact = self._is_lost(state, found.decrement - tolerance)
-                    trial = trial if is_exact else trials.balanced(step, trial, self._force)
+                    trial = trial if is_exact else trials.balanced(step, slope, trial, self._force)
                     return Advance(trial, self._damper.none, found.decrement, is_led, force=force)
                 least = self.options.poor * -change
                 if gain <= least:

@@ -62,24 +62,26 @@ class Trials:
             found = trial, gain
         return found
 
-    def balanced(self, step: Array, found: State, force: Callable[[State, ProximalTerm], Array]) -> State:
+    def balanced(
+        self, step: Array, slope: float, found: State, force: Callable[[State, ProximalTerm], Array]
+    ) -> State:
         """Return the state after a step, which is `found`, or where forces along the step vanish if it goes too far.
 
         Forces tell that where differences of energies are round-off. Steps that go too far may go to and fro between
-        the two sides of a kink of the forces, as where bonds change from pull to pressure. `force` returns the gradient
-        of the energy with that of the proximal term.
+        the two sides of a kink of the forces, as where bonds change from pull to pressure. `slope` is the energy's
+        along the step where it begins [energy]; `force` returns the gradient with that of the proximal term.
         """
 
-        def slope(state: State) -> float:
+        def slope_at(state: State) -> float:
             return float(force(state, self.proximal) @ step)
 
-        low, high = (0.0, slope(self.state)), (1.0, slope(found))
+        low, high = (0.0, slope), (1.0, slope_at(found))
         last, flat = high[1], -_TOO_FAR * low[1]
         for _ in range(_MOST_LOOKS):
             if not abs(last) > flat > 0 or high[1] <= 0:
                 break
             share = low[0] + (high[0] - low[0]) * low[1] / (low[1] - high[1])
             found, _ = self.after(share * step)
-            last = slope(found)
+            last = slope_at(found)
             low, high = (low, (share, last)) if last > 0 else ((share, last), high)
         return found

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+import ngcell
+from ngcell.build import mesh_level
 from ngcell.mechanics.term import Role
 from ngcell.results.error import Numbers
 from ngcell.results.softness import beside_rigid_contact
@@ -44,3 +46,22 @@ def test_the_energy_errs_by_what_loads_do_on_the_way_to_rigid_contact(load: floa
 def test_a_way_too_far_tells_nothing_of_forces():
     told = beside_rigid_contact(NUMBERS, problem(0.0), state(0.0, 1.0), state(9.0, 0.0, float("nan")))
     assert told.stiffer == 0 and told.besides >= NUMBERS.besides
+
+
+def test_what_is_stored_changes_by_the_work_of_loads_on_the_way_to_rigid_contact(monkeypatch: pytest.MonkeyPatch):
+    """By balance, in a tissue under pressure: to the first digits, where the way is short."""
+    slopes = []
+
+    def seen(numbers: Numbers, problem: Any, state: Any, rigid: Any) -> Numbers:
+        way, short = rigid.displacement - state.displacement, 1e-3
+        there = problem.at(state.displacement + short * way)
+        stored = [one.energy - problem.unstored(one.at) for one in (state, there)]
+        slopes.append(((stored[1] - stored[0]) / short, -float(problem.force(state.at, Role.LOAD) @ way)))
+        return beside_rigid_contact(numbers, problem, state, rigid)
+
+    monkeypatch.setattr(mesh_level, "beside_rigid_contact", seen)
+    sets = ("tissue.rows=2", "tissue.cols=2", "load.levels=1", "accuracy=0.1")
+    assert [*ngcell.simulate(ngcell.read_case("shear-pressurised", sets))][-1].record.certified
+    found, worked = np.array(slopes).T
+    assert (np.abs(worked) > 0).all()
+    np.testing.assert_allclose(found, worked, rtol=0.01)

@@ -14,6 +14,7 @@ from ngcell.solve.trials import Trials
 
 #: A displacement that is next to nothing beside an energy of 1.
 SMALL = 1e-9
+NOWHERE = ProximalTerm(0.0, np.zeros(1))
 
 
 @dataclass(frozen=True)
@@ -36,8 +37,9 @@ def trials(begin: float) -> Trials:
 
 @pytest.mark.parametrize(("begin", "step"), [(-SMALL, 4 * SMALL), (SMALL, -3 * SMALL)])
 def test_a_step_too_far_ends_where_forces_along_it_vanish(begin: float, step: float):
-    found = trials(begin).balanced(np.array([step]), Point(np.array([begin + step])), force)
-    ended, far = (float(abs(force(state, None)[0])) for state in (found, Point(np.array([begin]))))
+    start, after = Point(np.array([begin])), Point(np.array([begin + step]))
+    found = trials(begin).balanced(np.array([step]), step * float(force(start, NOWHERE)[0]), after, force)
+    ended, far = (float(abs(force(state, NOWHERE)[0])) for state in (found, start))
     assert ended < far / 4
     assert abs(found.displacement[0]) < abs(begin + step)
 
@@ -45,4 +47,4 @@ def test_a_step_too_far_ends_where_forces_along_it_vanish(begin: float, step: fl
 @pytest.mark.parametrize("step", [0.8 * SMALL, SMALL, 1.2 * SMALL])
 def test_other_steps_are_kept(step: float):
     after = Point(np.array([step - SMALL]))
-    assert trials(-SMALL).balanced(np.array([step]), after, force) is after
+    assert trials(-SMALL).balanced(np.array([step]), -3 * SMALL * step, after, force) is after
