@@ -90,6 +90,24 @@ def test_points_where_three_bodies_meet_answer_to_both_neighbours(order):
             assert set(walls.body[pairs.secondary[mine]]) == set(meeting) - {body}
 
 
+@pytest.mark.parametrize("order", [2, 4, 6])
+def test_small_walls_far_from_the_origin_meet_as_they_do_near_it(order):
+    """Coordinates of 16 have a round-off of 2e-15: gaps have no more than some times that, and a foot stays a foot."""
+    tissue = small_tissue(1, 2, edges=5, order=order)
+    displacement = tissue.smooth(0.02, 1) + tissue.body_translation(1, np.array([-0.02, 0.1]))
+    contact = contact_between(tissue.walls)
+    near = 0.02 * tissue.positions(displacement)
+    far = near + tissue.space.affine(np.zeros((2, 2)), np.array([16.0, -16.0]))
+    here, there = contact.pair(near), contact.pair(far)
+    _, mine, theirs = np.intersect1d(here.keys, there.keys, return_indices=True)
+    gap = here.gaps(near)[mine]
+    assert len(mine) > 50 and (np.abs(gap) < 1e-3).sum() > 20
+    np.testing.assert_allclose(there.gaps(far)[theirs], gap, atol=3e-14)
+    pairs, moved = here.kinematics.pairs, there.kinematics.pairs
+    np.testing.assert_array_equal(moved.at_end[theirs], pairs.at_end[mine])
+    np.testing.assert_array_equal(moved.sign[theirs], pairs.sign[mine])
+
+
 def test_contact_pairs_do_not_depend_on_what_was_searched_before():
     tissue = small_tissue(2, 2)
     used = contact_between(tissue.walls)

@@ -80,7 +80,7 @@ def classified(walls: EdgeSurface, nodes: Array, facet: Index, xi: Array, point:
     away = point - position
     aside = np.einsum("pd,pd->p", away, slope) / speed2
     height = walls.side[facet] * (away[:, 0] * slope[:, 1] - away[:, 1] * slope[:, 0]) / speed2
-    at_end = np.abs(aside) > END_TOLERANCE
+    at_end = (np.abs(aside) > END_TOLERANCE) & ((xi <= 0) | (xi >= 1))  # between ends it is round-off of small edges
     is_loose = np.where(xi < 0.5, walls.is_loose_end[facet, 0], walls.is_loose_end[facet, 1])
     slid_past = at_end & is_loose & (height < 0) & (np.abs(aside) > np.abs(height))
     sign = np.where(height < 0, -1.0, 1.0)

@@ -34,24 +34,34 @@ class Lagrange:
         return np.linspace(0.0, 1.0, self.order + 1)
 
     @cached_property
-    def _by_powers(self) -> tuple[Array, ...]:
-        """Factors of ``1, xi, xi^2, ...`` in the polynomials, and in their derivatives of each degree."""
-        by_powers = [np.asarray(np.linalg.inv(np.vander(self.nodes, increasing=True)), dtype=np.float64)]
-        while len(by_powers) <= self.order:
-            by_powers.append(np.arange(1, len(by_powers[-1]))[:, None] * by_powers[-1][1:])
-        return tuple(by_powers)
+    def _by_powers(self) -> Array:
+        """Factors of ``1, xi, xi^2, ...`` in the polynomials."""
+        return np.asarray(np.linalg.inv(np.vander(self.nodes, increasing=True)), dtype=np.float64)
+
+    @cached_property
+    def _about_centre(self) -> tuple[Array, ...]:
+        """Factors of ``1, s, s^2, ...``, with ``s = 2 xi - 1``, in the polynomials and in each of their derivatives by
+        xi: small ones, in which less is lost to round-off than in those of powers of xi."""
+        factors = [np.asarray(np.linalg.inv(np.vander(2 * self.nodes - 1, increasing=True)), dtype=np.float64)]
+        while len(factors) <= self.order:
+            factors.append(2 * np.arange(1, len(factors[-1]))[:, None] * factors[-1][1:])
+        return tuple(factors)
 
     def by_powers(self, values: Array) -> Array:
         """Return the factors of ``1, xi, xi^2, ...`` in polynomials with these values at the nodes, along axis 0."""
-        return np.asarray(np.tensordot(self._by_powers[0], values, 1))
+        return np.asarray(np.tensordot(self._by_powers, values, 1))
 
     def values(self, xi: Array, derivative: int = 0) -> Array:
-        """Return the derivative of the given degree of all polynomials at `xi`; shape (*xi.shape, order + 1)."""
+        """Return the derivative of the given degree of all polynomials at `xi`; shape (*xi.shape, order + 1).
+
+        They add up to 1, and derivatives to 0, to the last digit: round-off is that of the edge, wherever it lies.
+        """
         xi = np.asarray(xi)
         if derivative > self.order:
             return np.zeros((*xi.shape, self.order + 1))
-        factors = self._by_powers[derivative]
+        factors, place = self._about_centre[derivative], 2 * xi - 1
         powers = np.ones((*xi.shape, len(factors)))
         for power in range(1, len(factors)):
-            np.multiply(powers[..., power - 1], xi, out=powers[..., power])
-        return powers @ factors
+            np.multiply(powers[..., power - 1], place, out=powers[..., power])
+        found = powers @ factors
+        return np.asarray(found + ((derivative == 0) - found.sum(-1, keepdims=True)) / (self.order + 1))
