@@ -1,4 +1,4 @@
-"""Polynomials along an edge, beside exact fractions."""
+"""Polynomials along an edge and on faces, beside exact ones."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from math import prod
 import numpy as np
 import pytest
 
+from ngcell.contact.surface.facet_basis import FacetBasis
 from ngcell.contact.surface.polynomials import Lagrange
 
 
@@ -43,3 +44,25 @@ def test_factors_of_powers_make_the_polynomial(order):
     nodal, xi = rng.random(order + 1), rng.random(20)
     found = np.polynomial.polynomial.polyval(xi, basis.by_powers(nodal))
     np.testing.assert_allclose(found, basis.values(xi) @ nodal, atol=1e-11)
+
+
+@pytest.mark.parametrize("corners", [3, 4])
+@pytest.mark.parametrize("order", range(1, 7))
+def test_polynomials_on_facets_make_every_polynomial_and_its_derivatives(order, corners):
+    """One of their degree, beside itself."""
+    basis, rng = FacetBasis(order, corners), np.random.default_rng(order)
+    xi = rng.random((40, 2))
+    xi[:, 1] *= 1 if corners == 4 else 1 - xi[:, 0]
+    powers = [p for p in np.ndindex(order + 1, order + 1) if corners == 4 or sum(p) <= order]
+    factors = np.zeros((order + 1, order + 1))
+    for power in powers:
+        factors[power] = rng.uniform(-1, 1)
+    nodal = np.polynomial.polynomial.polyval2d(*basis.nodes.T, factors)
+    for degrees in [(0, 0), (1, 0), (0, 1), (1, 1), (2, 0)]:
+        sloped = factors
+        for axis, degree in enumerate(degrees):
+            sloped = np.polynomial.polynomial.polyder(sloped, degree, axis=axis)
+        found, sums = basis.values(xi, degrees) @ nodal, basis.values(xi, degrees).sum(-1)
+        expected = np.polynomial.polynomial.polyval2d(*xi.T, sloped)
+        np.testing.assert_allclose(found, expected, atol=2e-14 * order ** (2 + 2 * sum(degrees)))
+        np.testing.assert_allclose(sums, float(not any(degrees)), atol=1e-14 * order ** (2 * sum(degrees)))

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.contact.surface.polynomials import Lagrange
 from ngcell.mechanics.lobatto import lobatto
 
 Array = NDArray[np.float64]
@@ -61,19 +62,32 @@ class FacetBasis:
         return np.asarray(apart.argmin(1))
 
     @cached_property
-    def _to_monomials(self) -> Array:
-        return np.linalg.inv((self.nodes[:, None] ** self._powers).prod(2))
+    def _along(self) -> Lagrange:
+        """Polynomials along a side."""
+        return Lagrange(self.order)
+
+    @cached_property
+    def _from_monomials(self) -> Array:
+        """Factors of monomials of twice the distances from the centre in the polynomials on triangles."""
+        return np.linalg.inv(((2 * (self.nodes - self.centre))[:, None] ** self._powers).prod(2))
 
     def values(self, xi: Array, derivative: tuple[int, int] = (0, 0)) -> Array:
-        """Return a partial derivative of all polynomials at `xi`, (*shape, 2); shape (*shape, nodes)."""
-        factors = []
+        """Return a partial derivative of all polynomials at `xi`, (*shape, 2); shape (*shape, nodes).
+
+        They add up to 1, and derivatives to 0, to the last digit.
+        """
+        if self.corner_count == 4:
+            one, two = (self._along.values(xi[..., axis], degree) for axis, degree in enumerate(derivative))
+            return np.asarray((one[..., :, None] * two[..., None, :]).reshape(*one.shape[:-1], -1))
+        factors, place = [], 2 * (xi - self.centre)
         for axis, degree in enumerate(derivative):
             power = self._powers[:, axis]
             factor = np.ones(len(power))
             for step in range(degree):
-                factor = factor * (power - step)
-            factors.append(_powers_of(xi[..., axis], self.order)[..., np.maximum(power - degree, 0)] * factor)
-        return np.asarray((factors[0] * factors[1]) @ self._to_monomials)
+                factor = 2 * factor * (power - step)
+            factors.append(_powers_of(place[..., axis], self.order)[..., np.maximum(power - degree, 0)] * factor)
+        found = (factors[0] * factors[1]) @ self._from_monomials
+        return np.asarray(found + ((not any(derivative)) - found.sum(-1, keepdims=True)) / found.shape[-1])
 
     @cached_property
     def rule(self) -> tuple[Array, Array]:
