@@ -78,7 +78,7 @@ class FacetBasis:
         """
         if self.corner_count == 4:
             one, two = (self._along.values(xi[..., axis], degree) for axis, degree in enumerate(derivative))
-            return np.asarray((one[..., :, None] * two[..., None, :]).reshape(*one.shape[:-1], -1))
+            return np.asarray((one[..., :, None] * two[..., None, :]).reshape(*one.shape[:-1], len(self.nodes)))
         factors, place = [], 2 * (xi - self.centre)
         for axis, degree in enumerate(derivative):
             power = self._powers[:, axis]
