@@ -14,7 +14,6 @@ from typing import Generic, cast
 from ngcell.build.mesh_level import Level
 from ngcell.build.meshed import Refined, Scene, step_numbers
 from ngcell.build.stages import Stage, singular_exponent
-from ngcell.contact.methods.penalty import STIFFEN
 from ngcell.errors import CaseError
 from ngcell.problem.state import State
 from ngcell.results.elsewhere import share_elsewhere
@@ -147,8 +146,6 @@ class Refinement(Generic[Scene]):
                 return replace(reported, accepted=accepted, errors=errors)
             last, before = finer, errors.relative
             errors = estimate(found, refined, meant=found[-1].without_contact if last.only_leads else found[-1])
-            if is_judged and not last.only_leads:
-                last, errors = self._by_rigid_contact(last, found, refined, errors)
             _log.info("mesh %d: energy %.6e, estimated error %.1e", last.level, found[-1].energy, errors.relative)
             self.on_the_way = (last.level, found[-1], errors)
             is_fine, is_enough = last.level > _SETTLED_ON, not (is_judged and errors.relative > self._accuracy)
@@ -194,21 +191,6 @@ class Refinement(Generic[Scene]):
                 return stiffer, numbers
             finer, numbers = stiffer, self._levels[finer.level].numbers(stiffer)
         return finer, numbers
-
-    def _by_rigid_contact(
-        self, last: Refined[Scene], found: list[Numbers], refined: Sequence[Refining], errors: Errors
-    ) -> tuple[Refined[Scene], Errors]:
-        """Return a step by stiffer contact and its errors, which it takes for the last ones found, where without most
-        of what overlaps add they are as small as is asked for; no finer mesh would lower that. Else as they are."""
-        least = estimate(found, refined, meant=found[-1].without_contact).relative
-        foreseen = least + (errors.relative - least) / STIFFEN
-        if not foreseen <= self._accuracy < errors.relative:
-            return last, errors
-        stiffer = self._levels[last.level].stiffer(last)
-        if stiffer.accepted.minimum is last.accepted.minimum:
-            return stiffer, errors
-        found[-1] = self._levels[stiffer.level].numbers(stiffer)
-        return stiffer, estimate(found, refined)
 
     def _reported(
         self,

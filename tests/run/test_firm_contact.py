@@ -77,20 +77,6 @@ def test_stiffer_terms_store_ten_times_as_much_until_they_find_no_way_down_at_co
     assert mine.pair(positions).energy(positions) == pytest.approx(10 * before)
 
 
-def test_bodies_whose_terms_are_stiff_already_keep_no_others_from_becoming_so():
-    tissue = small_tissue(1, 2)
-    mine = PenaltyContact(tissue.walls, tissue.contact.stiffness, 0.1)
-    mine._factor = np.array([1.0, 100.0])  # as where overlaps were too deep
-    found = []
-    while mine.stiffen():
-        found.append(mine.raised_on_facets[[0, -1]].tolist())
-    assert found == [[10.0, 100.0], [100.0, 100.0]]
-    mine._factor = np.array([1.0, 100.0])
-    assert mine.stiffen()
-    mine.soften()
-    assert mine.raised_on_facets[[0, -1]].tolist() == [1.0, 100.0]
-
-
 def test_contact_of_a_finer_mesh_is_no_softer_than_that_of_the_coarser_one():
     coarse, fine = small_tissue(1, 2), small_tissue(1, 2, order=3)
     theirs = PenaltyContact(coarse.walls, coarse.contact.stiffness, 0.1)

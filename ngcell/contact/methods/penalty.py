@@ -132,7 +132,8 @@ class PenaltyContact:
         may_stiffen: bool = True,
         options: ContactOptions = DEFAULT_OPTIONS,
     ) -> None:
-        self.walls, self.reach, self._derived, self._options = walls, reach, stiffness, options
+        self.walls, self._options = walls, options
+        self._derived, self.reach = stiffness, reach
         self._may_stiffen, self._stiffens = may_stiffen, False
         self._usual, self._deep_between = self.searching(walls.quadrature), options.soft
         self._take_back()
@@ -170,12 +171,11 @@ class PenaltyContact:
         return float(self._factor.max())
 
     def stiffen(self) -> bool:
-        """Make the penalty terms of all bodies stiffer whose terms may be, and tell whether any are."""
-        stiffer, options = STIFFEN * self._factor, self._options
-        may = stiffer * options.penalty_multiple <= options.most_multiple * (1 + 1e-9)
-        self._softer, by = self._factor, STIFFEN if may.any() else 1.0
-        self._factor, self._firm = np.where(may, stiffer, self._factor), self._firm * by
-        return by > 1
+        """Make the penalty terms of all bodies stiffer, if any may be; tell whether."""
+        may = STIFFEN * self.raised * self._options.penalty_multiple <= self._options.most_multiple * (1 + 1e-9)
+        self._softer, by = self._factor, STIFFEN if may else 1.0
+        self._factor, self._firm = self._factor * by, self._firm * by
+        return may
 
     def soften(self) -> None:
         """Take the last `stiffen` back, and what has been raised since."""
