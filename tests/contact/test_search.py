@@ -9,6 +9,7 @@ import pytest
 from shapely import Point, Polygon
 
 from ngcell.contact.methods.penalty import PenaltyContact
+from ngcell.contact.pairing.closest import classified
 from ngcell.contact.pairing.facing import find_facing
 from ngcell.contact.surface.find import find_surface
 from ngcell.contact.surface.surface import Surface
@@ -102,10 +103,20 @@ def test_small_walls_far_from_the_origin_meet_as_they_do_near_it(order):
     _, mine, theirs = np.intersect1d(here.keys, there.keys, return_indices=True)
     gap = here.gaps(near)[mine]
     assert len(mine) > 50 and (np.abs(gap) < 1e-3).sum() > 20
-    np.testing.assert_allclose(there.gaps(far)[theirs], gap, atol=3e-14)
+    np.testing.assert_allclose(there.gaps(far)[theirs], gap, rtol=0, atol=3e-14)
     pairs, moved = here.kinematics.pairs, there.kinematics.pairs
     np.testing.assert_array_equal(moved.at_end[theirs], pairs.at_end[mine])
     np.testing.assert_array_equal(moved.sign[theirs], pairs.sign[mine])
+
+
+@pytest.mark.parametrize(("xi", "at_end"), [(0.4, False), (0.0, True), (1.0, True)])
+def test_between_the_ends_of_an_edge_a_foot_that_is_off_by_round_off_stays_one(xi, at_end):
+    walls = small_tissue(1, 2).walls
+    facet, off = np.array([0]), 1e-8
+    along = (walls.rest[0, -1] - walls.rest[0, 0])[None]
+    point = walls.places(facet, np.array([xi]), walls.rest) + off * along
+    found = classified(walls, walls.rest, facet, np.array([xi]), point)
+    assert found.at_end.tolist() == [at_end]
 
 
 def test_contact_pairs_do_not_depend_on_what_was_searched_before():
