@@ -72,7 +72,7 @@ class InclusionEnergy(SymbolicTerm):
         stress[mine] = self.law.cauchy_stress(gradient[mine])
         return stress
 
-    def storedin_bodies(self, at: Configuration) -> Array:
+    def stored_in_bodies(self, at: Configuration) -> Array:
         """Return what the filling of each lumen stores [energy], shape (bodies,)."""
         return in_bodies(self, at)
 

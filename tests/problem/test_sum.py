@@ -360,3 +360,23 @@ def test_a_body_turned_inside_out_is_told(body):
     mirrored = space.affine(np.diag([-2.0, 0.0]), np.zeros(2))
     place = np.where(space.body_of_unknown == body, mirrored, 0.0).ravel()
     np.testing.assert_array_equal(problem.folded(problem.at(place)), np.arange(2) == body)
+
+
+@pytest.mark.parametrize("name", ["bodies", "inclusion"])
+def test_what_is_stored_is_known_body_by_body(name):
+    tissue = cells(2, filled=True)
+    problem, space = sum_of(tissue, name), tissue.space
+    place = np.where(space.body_of_unknown == 1, space.affine(np.diag([0.02, 0.01]), np.zeros(2)), 0.0).ravel()
+    term, at = problem.terms[0], problem.at(place).at
+    stored = term.stored_in_bodies(at)
+    assert stored is not None and stored[0] == 0
+    assert stored.sum() == pytest.approx(term.value(at), rel=1e-12) and stored[1] > 0
+
+
+@pytest.mark.parametrize("body", [0, 1])
+def test_a_filling_turned_inside_out_is_told(body):
+    tissue = cells(2, filled=True)
+    problem, space = sum_of(tissue, "inclusion"), tissue.space
+    mirrored = space.affine(np.diag([-2.0, 0.0]), np.zeros(2))
+    place = np.where(space.body_of_unknown == body, mirrored, 0.0).ravel()
+    np.testing.assert_array_equal(problem.folded(problem.at(place)), np.arange(2) == body)
