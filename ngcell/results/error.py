@@ -184,11 +184,10 @@ def estimate(
         before = found[-2]
         forces = {name: getattr(before, name) for name in ("plate_force", "contact_force")}
         new = at_least(new, max(abs(before.energy), before.scales[0]), forces, (before.gaps, found[-1].gaps))
-    at_most = _in_parts(changes, refined) if of_last else {}
+    at_most, told_of = _in_parts(changes, refined) if of_last else {}, found[-1 if of_last else -2]
     if all(one.stores_nothing for one in found[-2:]):
-        told_of = found[-1 if of_last else -2]
         at_most |= {name: _size(getattr(told_of, name)) for name in _TOLD if name not in _GAPS}
-    return _with_contact(meant or found[-1], {name: min(new[name], at_most.get(name, inf)) for name in _TOLD})
+    return _with_contact(meant or told_of, {name: min(new[name], at_most.get(name, inf)) for name in _TOLD})
 
 
 def _chain(changes: Sequence[Mapping[str, float]], refined: Sequence[Refining], of_last: bool) -> dict[str, float]:

@@ -229,3 +229,16 @@ def test_after_a_grade_alone_no_more_is_told_than_some_times_what_corners_and_ot
     told = estimate(found, [*orders, replace(grade, unsplit=0.1)]).energy
     assert told == pytest.approx(SURE * (of_corners + 0.1 * of_others), rel=1e-9)
     assert estimate(found, [*orders, replace(grade, unsplit=1.0)]).energy == pytest.approx(by_change, rel=1e-9)
+
+
+def test_of_a_mesh_that_one_other_tells_contact_and_what_is_held_are_its_own():
+    """The finer mesh may have stiffer contact."""
+    rigid = numbers(1.9, 1.1, 1.2)
+    soft = replace(numbers(2.0, besides=0.05, overlap=0.02), pulled=0.03, stiffer=0.4)
+    alone = estimate([soft.without_contact, rigid], by_order(0.5), of_last=False)
+    errors = estimate([soft, rigid], by_order(0.5), of_last=False)
+    assert errors.energy == pytest.approx(alone.energy + 0.05, rel=1e-12)
+    assert errors.plate_force == pytest.approx(alone.plate_force + 0.05 / 2 * 1.0, rel=1e-12)
+    assert errors.contact_force == pytest.approx(alone.contact_force + 0.4, rel=1e-12)
+    assert errors.mean_gap == pytest.approx(alone.mean_gap + 0.02, rel=1e-12)
+    assert estimate([rigid, soft], by_order(0.5), of_last=False).energy == pytest.approx(0.2, rel=1e-12)
