@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import logging
 import platform
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from hashlib import sha256
 from importlib import metadata
@@ -15,15 +13,13 @@ from pathlib import Path
 from time import monotonic, perf_counter, process_time
 from typing import Any
 
-from threadpoolctl import threadpool_limits
-
 from ngcell.build.additions import Additions
 from ngcell.build.checkpoint import Checkpoint
 from ngcell.build.run_summary import onset_of_growth, reached, run_summary
 from ngcell.build.simulation import Simulation
 from ngcell.build.verification import check_has_penalty, finer_result, stiffer_result
 from ngcell.clock import Clock, OutOfTime
-from ngcell.errors import CaseError, NotConverged
+from ngcell.errors import CaseError, NgcellError, NotConverged
 from ngcell.export import Restart, ResultFolder, cannot_resume
 from ngcell.results.record import StepRecord
 from ngcell.results.report import StepReport
@@ -31,9 +27,7 @@ from ngcell.results.verdict import with_error
 from ngcell.scene import AnyCase, BodyScene, resolved_toml
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.step import StepFailed
-from ngcell.threads import available_cores, threads
-
-_log = logging.getLogger(__name__)
+from ngcell.threads import each_on_threads, threads, threads_for
 
 #: True once: what the process has taken before its first run are imports.
 _IS_FIRST = iter((True,))
@@ -156,27 +150,28 @@ class Recording:
             simulation = self._additions.simulation(self._case, clock)
             checkpoint = self._checkpoint(simulation)
             outcome, message, verified = None, "", dict[str, Any]()
-            with use_threads(self._options.threads):
-                try:
-                    for step in simulation.accepted_steps(checkpoint):
-                        with clock.phase("output"):
-                            folder.accept(
-                                step.record,
-                                step.walls,
-                                step.snapshot,
-                                step.cells,
-                                report=step.report,
-                                checkpoint=step.checkpoint.arrays(),
-                            )
-                        steps.append(step.report)
-                        yield step.record
+            count = threads_for(self._options.threads)
+            try:
+                for step in each_on_threads(simulation.accepted_steps(checkpoint), count):
+                    with clock.phase("output"):
+                        folder.accept(
+                            step.record,
+                            step.walls,
+                            step.snapshot,
+                            step.cells,
+                            report=step.report,
+                            checkpoint=step.checkpoint.arrays(),
+                        )
+                    steps.append(step.report)
+                    yield step.record
+                with threads(count):
                     verified = self._verified(steps, simulation)
-                except StepFailed as failure:
-                    outcome = failure.outcome
-                    message = f"at load factor {failure.load_factor:.6g}: {outcome.value}"
-                except OutOfTime:
-                    outcome = Outcome.OUT_OF_TIME
-                    message = f"beyond load factor {reached(steps):.6g}: {outcome.value}{_on_the_way(simulation)}"
+            except StepFailed as failure:
+                outcome = failure.outcome
+                message = f"at load factor {failure.load_factor:.6g}: {outcome.value}"
+            except OutOfTime:
+                outcome = Outcome.OUT_OF_TIME
+                message = f"beyond load factor {reached(steps):.6g}: {outcome.value}{_on_the_way(simulation)}"
             self._judge(steps, outcome)
             with clock.phase("pictures"):
                 folder.draw(title=self._case.title, certified=self.certified, onset=onset_of_growth(simulation, steps))
@@ -240,6 +235,8 @@ def _or_failed(verify: Callable[[], dict[str, Any]]) -> dict[str, Any]:
         return {"failed": failure.outcome.value}
     except OutOfTime:
         return {"failed": Outcome.OUT_OF_TIME.value}
+    except NgcellError as error:
+        return {"failed": str(error)}
 
 
 def _on_the_way(simulation: Simulation) -> str:
@@ -271,13 +268,3 @@ def _versions() -> dict[str, str]:
 
 def _seconds(clock: Clock, wall: float, processor: float) -> dict[str, Any]:
     return {"on_the_clock": wall, "processor": processor, "processor_by_phase": dict(clock.seconds)}
-
-
-@contextmanager
-def use_threads(asked: int | None) -> Iterator[None]:
-    """Let NGSolve use more than one thread where that pays, see `ngcell.threads`."""
-    cores = available_cores()
-    if asked is not None and asked > cores:
-        _log.warning("%d threads were asked for; %d run, one for each core that this process may use", asked, cores)
-    with threadpool_limits(1, user_api="blas"), threads(min(asked or cores, cores)):
-        yield

@@ -25,13 +25,15 @@ from ngcell.export.atomic import replace_file
 from ngcell.geometry.bodies import FRAME, INDENTER, LEFT_SIDE, LOWER_PLATE, RIGHT_SIDE, UPPER_PLATE
 from ngcell.geometry.statistics import tissue_table
 from ngcell.mechanics.loading.load import with_bodies_of
-from ngcell.recording import Recording, RecordingOptions, file_told, recorded_text, use_threads
+from ngcell.recording import Recording, RecordingOptions, file_told, recorded_text
 from ngcell.results.layout import layout_of
 from ngcell.results.observables.observable import Observable
 from ngcell.scene import AnyCase, BodyScene, Case, read_case
 from ngcell.scene.written_bodies import is_from_python
 from ngcell.solve.step import StepFailed
 from ngcell.solve.strategies.strategy import Strategy
+from ngcell.threads import threads as on_threads
+from ngcell.threads import threads_for
 
 
 def simulate(
@@ -67,7 +69,7 @@ def simulate(
     simulation = Additions(terms, observables, strategy, options).simulation(scene)
     steps: list[Step] = []
     try:
-        with use_threads(None):
+        with on_threads(threads_for(None)):
             for step in simulation.accepted_steps():
                 steps.append(step)
     except StepFailed as failure:

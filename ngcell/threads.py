@@ -13,6 +13,7 @@ two threads take 0.5 to 0.7 times as long for sparse products, for small dense s
 
 from __future__ import annotations
 
+import logging
 import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -23,14 +24,24 @@ from itertools import pairwise
 from typing import TypeVar
 
 import ngsolve
+from threadpoolctl import threadpool_limits
 
 Found = TypeVar("Found")
+
+_log = logging.getLogger(__name__)
 
 #: Rows below which threads wait for each other longer than they help.
 _FEWEST_ROWS = 50_000
 #: The same for sums of numpy's: a thread is told what to do in 50 microseconds, and a product of a sparse matrix of
 #: so many rows takes 2 milliseconds.
 _FEWEST_OF_NUMPY = 20_000
+
+
+class _NoMore:
+    """What follows the last item."""
+
+
+_NO_MORE = _NoMore()
 
 
 class _Threads:
@@ -47,12 +58,34 @@ def available_cores() -> int:
     return os.cpu_count() or 1
 
 
+def threads_for(asked: int | None) -> int:
+    """Return the number of threads that run where so many are asked for: at most one for each core."""
+    cores = available_cores()
+    if asked is not None and asked > cores:
+        _log.warning("%d threads were asked for; %d run, one for each core that this process may use", asked, cores)
+    return min(asked or cores, cores)
+
+
+def each_on_threads(items: Iterator[Found], count: int) -> Iterator[Found]:
+    """Yield items, each made on so many threads.
+
+    Between two of them threads are as they were: whoever takes the items may follow another run in between.
+    """
+    while True:
+        with threads(count):
+            item = next(items, _NO_MORE)
+        if isinstance(item, _NoMore):
+            return
+        yield item
+
+
 @contextmanager
 def threads(count: int) -> Iterator[None]:
     """Let sums over many rows use so many threads."""
     ngsolve.SetNumThreads(1)
     before = _Threads.count, _Threads.others
-    with ThreadPoolExecutor(max(count - 1, 1)) as others:  # it starts threads when it is given something to do
+    pool = ThreadPoolExecutor(max(count - 1, 1))  # it starts threads when it is given something to do
+    with threadpool_limits(1, user_api="blas"), pool as others:
         _Threads.count, _Threads.others = count, others
         try:
             yield

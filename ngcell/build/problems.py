@@ -29,6 +29,7 @@ from ngcell.contact.pairing.facing import find_facing
 from ngcell.contact.pairing.near import Reach
 from ngcell.contact.surface.find import find_lumen_surface, find_surface
 from ngcell.contact.surface.lumens import LumenSurface
+from ngcell.errors import CaseError
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.symbolic_sum import fused
 from ngcell.mechanics.term import Term
@@ -142,7 +143,10 @@ class Problems:
         """Contact, from the softest, which follows paths, to the one that is meant."""
         contact = self._case.contact if self.walls.facet_count else Penalty()  # without walls all methods do nothing
         stages = contact.stages(self.walls, self._moduli, reach=self._reach, options=self.options.contact)
-        return tuple(stage if isinstance(stage, Term) else ContactTerm(stage) for stage in stages)
+        terms = tuple(stage if isinstance(stage, Term) else ContactTerm(stage) for stage in stages)
+        if len(terms) == 1 and getattr(terms[-1], "has_multipliers", False):
+            raise CaseError("contact: its one stage has multipliers; allowed: stages without them that lead to it")
+        return terms
 
     @cached_property
     def _lumens(self) -> LumenSurface | None:

@@ -18,7 +18,8 @@ from ngcell.clock import Clock
 from ngcell.errors import CaseError
 from ngcell.results.record import StepRecord
 from ngcell.results.report import StepReport
-from ngcell.scene import AnyCase, BodyScene, Case, Mortar
+from ngcell.scene import AnyCase, BodyScene, Case
+from ngcell.scene.section import Section
 
 #: Factor on the stiffness. Errors of a penalty fall in proportion to it, so what moves is nearly the whole error.
 STIFFER = 10.0
@@ -36,10 +37,13 @@ def check_has_penalty(case: AnyCase | BodyScene) -> None:
     Raises
     ------
     CaseError
-        If contact is by the mortar method, whose result knows no stiffness.
+        If contact is by the mortar method, whose result knows no stiffness, or by a law or method of a script.
     """
-    if isinstance(case.contact, Mortar):
-        raise CaseError("contact.kind = 'mortar' has no penalty to verify; allowed: contact.kind = 'penalty'")
+    contact = case.contact
+    if not (isinstance(contact, Section) and "stiffness" in type(contact).model_fields):
+        kind = getattr(contact, "kind", type(contact).__name__)
+        allowed = "contact.kind = 'penalty', 'ngsolve'"
+        raise CaseError(f"contact.kind = '{kind}' has no penalty to verify; allowed: {allowed}")
 
 
 def stiffer_result(

@@ -165,7 +165,7 @@ def read_records(path: Path, record_type: type[Record]) -> list[Record]:
             return [_record_of(row, record_type, types) for row in csv.DictReader(file)]
     except OSError as error:
         raise OutputError(f"cannot read {path}: {error.strerror}") from error
-    except (ValueError, KeyError, TypeError, UnicodeDecodeError) as error:
+    except (ValueError, KeyError, TypeError, UnicodeDecodeError, csv.Error) as error:
         raise OutputError(f"{path} is not the table that it was: {error}") from error
 
 

@@ -71,7 +71,10 @@ def _from_wkt(file: Path, text: str) -> tuple[list[Array], list[str]]:
 
 
 def _from_csv(file: Path, text: str) -> tuple[list[Array], list[str]]:
-    rows = list(csv.DictReader(text.splitlines()))
+    try:
+        rows = list(csv.DictReader(text.splitlines()))
+    except csv.Error as error:
+        raise GeometryError(f"{file}: is no CSV ({error}); allowed: the columns {', '.join(_COLUMNS)}") from error
     if not rows or not set(_COLUMNS) <= set(rows[0]):
         raise GeometryError(f"{file}: its first line does not name {', '.join(_COLUMNS)}; allowed: these columns")
     corners: dict[str, list[tuple[float, float]]] = {}

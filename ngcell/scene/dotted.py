@@ -7,11 +7,16 @@ from typing import Any
 
 from ngcell.scene.lines import KeyPath
 
+#: Digits with which a part of a key is no number of an entry in a list.
+_DIGITS = 10
+
 
 def key_path(dotted: str) -> KeyPath | None:
     """Return the path that a dotted key means; None if it is none."""
     parts = [part.strip() for part in dotted.split(".")]
-    return tuple(int(part) if part.isdecimal() else part for part in parts) if all(parts) else None
+    if not all(parts):
+        return None
+    return tuple(int(part) if part.isdecimal() and len(part) < _DIGITS else part for part in parts)
 
 
 def flattened(table: Any) -> Any:

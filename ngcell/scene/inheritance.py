@@ -62,8 +62,9 @@ def read_table(file: Path, shown: str | None = None, heirs: tuple[Path, ...] = (
     places = {path: Place(shown, line, len(heirs)) for path, line in key_lines(text).items()}
     if "extends" not in table:
         return CaseTable(table, places)
-    where, name = f"{shown}:{places[('extends',)].line}", table.pop("extends")
-    del places[("extends",)]
+    written = next((place for path, place in places.items() if path[0] == "extends"), None)
+    where, name = shown if written is None else f"{shown}:{written.line}", table.pop("extends")
+    places = {path: place for path, place in places.items() if path[0] != "extends"}
     parent = _parent(name, file, where)
     if parent.resolve() in {heir.resolve() for heir in (file, *heirs)}:
         raise CaseError(
@@ -202,3 +203,5 @@ def _parsed(text: str, shown: str) -> dict[str, Any]:
         told = _POSITION.sub("", reason).splitlines()[0]
         said = text.splitlines()[int(line) - 1].strip() if text.strip() else ""
         raise CaseError(f"{shown}:{line}: not TOML{column}: {told}: {said}; allowed: key = value") from None
+    except ValueError:
+        raise CaseError(f"{shown}: a whole number has more digits than can be read; allowed: fewer") from None

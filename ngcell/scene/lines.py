@@ -13,7 +13,9 @@ _NAME = r"""(?:[A-Za-z0-9_-]+|"[^"]*"|'[^']*')"""
 _DOTTED = rf"{_NAME}(?:\s*\.\s*{_NAME})*"
 _HEADER = re.compile(rf"\s*(\[\[?)\s*({_DOTTED})\s*\]")
 _ENTRY = re.compile(rf"\s*({_DOTTED})\s*=")
-_MULTILINE_QUOTE = re.compile(r'"""|\'\'\'')
+#: What a line may hold outside of texts of several lines, and how these end.
+_TOKEN = re.compile(r'''"""|\'\'\'|"(?:\\.|[^"\\])*"|'[^']*'|#''')
+_END = {'"""': re.compile(r'(?:[^\\]|\\.)*?"""'), "'''": re.compile(r".*?'''")}
 
 
 def key_lines(text: str) -> dict[KeyPath, int]:
@@ -26,10 +28,9 @@ def key_lines(text: str) -> dict[KeyPath, int]:
     lines: dict[KeyPath, int] = {}
     entries: Counter[KeyPath] = Counter()
     table: KeyPath = ()
-    inside_string = False
+    quote = ""
     for number, line in enumerate(text.splitlines(), start=1):
-        starts_inside = inside_string
-        inside_string ^= len(_MULTILINE_QUOTE.findall(line)) % 2 == 1
+        starts_inside, quote = bool(quote), _open_after(line, quote)
         if starts_inside:
             continue
         if header := _HEADER.match(line):
@@ -71,6 +72,22 @@ class Place:
 def place_of(path: KeyPath, places: dict[KeyPath, Place]) -> Place | None:
     """Return where a key stands, else the nearest table that holds it, else None."""
     return next((places[path[:n]] for n in range(len(path), 0, -1) if path[:n] in places), None)
+
+
+def _open_after(line: str, quote: str) -> str:
+    """Return the quotes of the text that goes on behind a line, from those of the one that it begins in; empty outside.
+    """
+    at = 0
+    while True:
+        if quote:
+            end = _END[quote].match(line, at)
+            if end is None:
+                return quote
+            at, quote = end.end(), ""
+        token = _TOKEN.search(line, at)
+        if token is None or token[0] == "#":
+            return ""
+        at, quote = token.end(), token[0] if token[0] in _END else ""
 
 
 def _split(dotted: str) -> KeyPath:

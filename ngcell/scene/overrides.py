@@ -108,7 +108,7 @@ def _parse(override: str) -> Setting:
 def _toml_value(text: str) -> Any:
     try:
         parsed = tomllib.loads(f"value = {text}")
-    except tomllib.TOMLDecodeError:
+    except ValueError:  # no TOML, or a number of thousands of digits
         return text
     return parsed["value"] if len(parsed) == 1 else text
 

@@ -33,6 +33,23 @@ def _is_axis(name: str, table: Mapping[str, Any]) -> bool:
     return "kind" in table or not all(isinstance(value, (Mapping, list, tuple, BaseModel)) for value in table.values())
 
 
+def _check_tables(axes: Mapping[str, Any], owner: Mapping[str, str]) -> None:
+    """Refuse an axis of tables that say what another axis, or `set`, says as well."""
+    for name, axis in axes.items():
+        for number, trunk in enumerate(axis.keys(name)):
+            inner = {key: key[len(trunk) + 1 :] for key in owner if key.startswith(f"{trunk}.")}
+            tables = [flattened(point[number]) for point in axis.points()] if inner else []
+            for key, rest in inner.items():
+                if any(isinstance(table, Mapping) and _says(table, rest) for table in tables):
+                    said = {"key": key, "other": owner[key]}
+                    refuse("{key} is in {other} as well; allowed: one of the two", name, **said)
+
+
+def _says(table: Mapping[str, Any], key: str) -> bool:
+    """Return whether a table with dotted keys says a key, or a part of it."""
+    return any(each == key or each.startswith(f"{key}.") or key.startswith(f"{each}.") for each in table)
+
+
 class Study(Section):
     """Runs of one case along axes: every combination of a point of each axis is a run.
 
@@ -81,6 +98,7 @@ class Study(Section):
                     said = {"key": key, "other": owner[key]}
                     refuse("{key} is in {other} already; allowed: one axis a key, or set", name, **said)
                 owner[key] = name
+        _check_tables(axes, owner)
         return axes
 
     @property

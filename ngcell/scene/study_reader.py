@@ -19,7 +19,7 @@ from ngcell.scene.overrides import Setting
 from ngcell.scene.section import validated
 from ngcell.scene.study import Study, named_axes
 
-_FILE = "tissue.file"
+_TISSUE, _FILE = "tissue", "file"
 
 
 @dataclass(frozen=True)
@@ -94,9 +94,24 @@ def _located(table: dict[str, Any], folder: Path) -> dict[str, Any]:
     if isinstance(table.get("case"), str) and (file := case_in(folder / table["case"])) is not None:
         found["case"] = str(file)
     fixed, axes = found.get("set"), found.get("axes")
-    if isinstance(fixed, dict) and isinstance(fixed.get(_FILE), str):
-        fixed[_FILE] = str((folder / fixed[_FILE]).absolute())
-    axis = axes.get(_FILE) if isinstance(axes, dict) else None
-    if isinstance(axis, dict) and isinstance(axis.get("values"), list):
-        axis["values"] = [str((folder / str(each)).absolute()) for each in axis["values"]]
+    if isinstance(fixed, dict):
+        found["set"] = {key: _beside(folder, key, value) for key, value in fixed.items()}
+    for name, axis in axes.items() if isinstance(axes, dict) else ():
+        values = axis.get("values") if isinstance(axis, dict) else None
+        if isinstance(values, list):
+            axis["values"] = [_beside(folder, name, each) for each in values]
+        elif isinstance(values, dict):  # lists that are taken together
+            lists = flattened(values)
+            axis["values"] = {key: [_beside(folder, key, each) for each in many] if isinstance(many, list) else many
+                              for key, many in lists.items()}  # fmt: skip
     return found
+
+
+def _beside(folder: Path, key: str, value: Any) -> Any:
+    """Return the value of a dotted key, with the path of a file from anywhere, where it is one or a table that has one.
+    """
+    if key == f"{_TISSUE}.{_FILE}" and isinstance(value, str):
+        return str((folder / value).absolute())
+    if key == _TISSUE and isinstance(value, dict) and _FILE in value:
+        return {**value, _FILE: _beside(folder, f"{_TISSUE}.{_FILE}", value[_FILE])}
+    return value

@@ -70,7 +70,8 @@ class Cases:
         CaseError
             These values make no case; a line for each mistake.
         """
-        return variant(self._file, self._said, (*self._fixed, *self._settings(number)))
+        settings = sorted((*self._fixed, *self._settings(number)), key=lambda setting: len(setting.path))
+        return variant(self._file, self._said, settings)  # a table comes before what is set in it
 
     def check(self, refused: dict[int, str]) -> None:
         """Refuse a value of an axis that somebody has written down and that makes no case, whatever the others are.

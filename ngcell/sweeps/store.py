@@ -1,7 +1,8 @@
 """Results by content: one file for each case that was run, which sweeps may share.
 
-A file is written in full or not at all, and its name says all that its content depends on: whichever of two sweeps
-writes it last, it says the same.
+A file is written in full or not at all, and its name says all that its content depends on but for the time that a run
+was given: whichever of two sweeps writes it last, it says the same. What ended for want of time, or was killed, never
+takes the place of a result that a run would end in again.
 """
 
 from __future__ import annotations
@@ -49,13 +50,15 @@ class Store:
         return found is not None and bool(found.get("final"))
 
     def write(self, result: Mapping[str, Any]) -> None:
-        """Keep a result.
+        """Keep a result, unless there is one that is final, and this one is not.
 
         Raises
         ------
         OutputError
             It cannot be written.
         """
+        if not result.get("final") and self.holds(result["key"]):
+            return
         file = self._file(result["key"])
         with output_errors(file):
             file.parent.mkdir(parents=True, exist_ok=True)

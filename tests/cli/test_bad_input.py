@@ -6,13 +6,12 @@ import os
 import subprocess
 import sys
 import time
-from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner, Result
 
-from ngcell import recording
+from ngcell import threads
 from ngcell.cli import ngcell
 
 SMALL = ["shear-empty-3x3"]
@@ -125,16 +124,11 @@ def result(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_no_more_threads_run_than_there_are_cores(monkeypatch, caplog):
-    started: list[int] = []
-    monkeypatch.setattr(recording, "threads", lambda count: nullcontext(started.append(count)))
-    monkeypatch.setattr(recording, "available_cores", lambda: 1)
-    for asked in (100_000, 1, None):
-        with recording.use_threads(asked):
-            pass
-    assert started == [1, 1, 1]
+    monkeypatch.setattr(threads, "available_cores", lambda: 1)
+    assert [threads.threads_for(asked) for asked in (100_000, 1, None)] == [1, 1, 1]
     assert caplog.messages == ["100000 threads were asked for; 1 run, one for each core that this process may use"]
     monkeypatch.undo()
-    assert recording.available_cores() == len(os.sched_getaffinity(0))
+    assert threads.available_cores() == len(os.sched_getaffinity(0))
 
 
 @pytest.mark.parametrize("settings", [["--set", "mesh.size=1e-9"], ["--max-minutes", "0.00001"]])

@@ -6,7 +6,7 @@ import ngsolve
 import numpy as np
 import pytest
 
-from ngcell import Brick, CaseError, MeshChoice, Polygons, Voronoi
+from ngcell import Brick, CaseError, MeshChoice, Perturbed, Polygons, Voronoi
 from ngcell.contact.pairing.facing import find_facing
 from ngcell.contact.surface.find import find_surface
 from ngcell.geometry.bodies import LOWER_PLATE, UPPER_PLATE
@@ -145,3 +145,13 @@ def test_where_four_cells_meet_the_one_across_is_no_neighbour_on_any_mesh():
     walls = find_surface(bodies, space.scalar, space.rest)
     found = find_facing(walls, 0.05 * bodies.thickness_of_body).pairs
     assert found.tolist() == neighbours(tissue.outlines).tolist()
+
+
+@pytest.mark.parametrize("tissue", [Voronoi(**POINTS), Perturbed(rows=2, cols=3, side=1.0, wall=0.2, spread=0.1)])
+def test_a_copy_with_another_seed_is_another_tissue(tissue):
+    before = tissue.outlines
+    other = tissue.model_copy(update={"seed": 7})
+    fresh = type(tissue)(**tissue.model_dump() | {"seed": 7})
+    np.testing.assert_array_equal(other.outlines.corners, fresh.outlines.corners)
+    assert not np.array_equal(before.corners, fresh.outlines.corners)
+    assert tissue.model_copy().outlines is before

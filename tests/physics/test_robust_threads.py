@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,7 @@ from ngcell import threads as module
 from ngcell.build.checkpoint import Checkpoint
 from ngcell.build.simulation import Simulation
 from ngcell.scene import read_case
-from ngcell.threads import at_once, parts_of, threads
+from ngcell.threads import at_once, each_on_threads, parts_of, threads
 
 _CASES = Path(__file__).parents[2] / "cases"
 
@@ -68,3 +69,16 @@ def test_parts_hold_everything_once(count: int) -> None:
         parts = parts_of(count, 10**6)
     assert [number for part in parts for number in range(count)[part]] == list(range(count))
     assert len(parts_of(count, 10**6)) == 1  # on one thread
+
+
+def test_runs_that_are_followed_in_turns_do_not_change_each_others_threads() -> None:
+    def made() -> Iterator[int]:
+        while True:
+            yield module._Threads.count
+
+    two, three = each_on_threads(made(), 2), each_on_threads(made(), 3)
+    assert [next(two), next(three), next(two)] == [2, 3, 2]
+    three.close()
+    assert next(two) == 2 and module._Threads.count == 1 and module._Threads.others is None
+    assert at_once(10**6, [lambda: 1, lambda: 2]) == [1, 2]
+    assert list(each_on_threads(iter(()), 2)) == []

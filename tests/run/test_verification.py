@@ -9,13 +9,13 @@ from typing import Any
 
 import pytest
 
-from ngcell import BodyCase, Case, read_case, record
+from ngcell import BodyCase, Case, NormalLaw, read_case, record
 from ngcell import recording as recording_module
 from ngcell.build.additions import Additions
 from ngcell.build.simulation import Simulation
 from ngcell.cli.summary import summary_lines
 from ngcell.clock import Clock
-from ngcell.errors import CaseError
+from ngcell.errors import CaseError, TooLarge
 from ngcell.report.view import told_numbers
 from ngcell.results.record import StepRecord
 from ngcell.scene import AnyCase, BodyScene
@@ -59,6 +59,23 @@ def test_without_being_asked_a_run_solves_each_level_once(tmp_path: Path) -> Non
 def test_the_mortar_method_has_no_penalty_to_verify(tmp_path: Path) -> None:
     with pytest.raises(CaseError, match="no penalty to verify"):
         record(sheared_pair("mortar"), tmp_path / "out", verify_penalty=True)
+
+
+def test_a_law_of_a_script_has_no_penalty_to_verify(tmp_path: Path) -> None:
+    contact = NormalLaw(lambda gap, stiffness: (gap, gap, gap))
+    with pytest.raises(CaseError, match="'NormalLaw' has no penalty to verify"):
+        record(sheared_pair("penalty").model_copy(update={"contact": contact}), tmp_path / "out", verify_penalty=True)
+
+
+def test_a_verification_that_cannot_be_made_leaves_the_run_as_it_ended(tmp_path: Path, monkeypatch) -> None:
+    def too_large(*_: Any, **__: Any) -> None:
+        raise TooLarge("the finer mesh takes 99 GiB; allowed: 1 GiB")
+
+    monkeypatch.setattr(recording_module, "finer_result", too_large)
+    recording = record(sheared_pair("penalty"), tmp_path / "out", verify_mesh=True)
+    assert len(list(recording)) == 2 and recording.certified
+    assert recording.summary["finer_mesh"] == {"failed": "the finer mesh takes 99 GiB; allowed: 1 GiB"}
+    assert "99 GiB" in "\n".join(summary_lines(recording, tmp_path))
 
 
 def test_where_penalty_terms_were_raised_the_stiffer_ones_are_stiffer_than_these(tmp_path: Path) -> None:

@@ -128,3 +128,38 @@ def test_cases_are_listed_by_their_titles():
     assert answer.exit_code == 0
     assert "press-fit-tight          Press-fit: a ring sits in a bore that is a fifth too narrow" in answer.stdout
     assert len(answer.stdout.splitlines()) == len(shipped_cases())
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ('# write """ around long text\nextends = "shear-empty-3x3"\naccuracy = -1\n', 3),
+        ("title = 'it holds \"\"\" and # so'\nextends = 'shear-empty-3x3'\naccuracy = -1 # '\'\'\n", 3),
+        ('title = """\naccuracy = 3 \\"""\n"""\nextends = "shear-empty-3x3"\naccuracy = -1\n', 5),
+        ("extends = 'shear-empty-3x3'\ntitle = '''a\n#'''\naccuracy = -1\n", 4),
+    ],
+)
+def test_quotes_in_comments_and_texts_move_no_line(text, line, tmp_path):
+    tomllib.loads(text)
+    file = tmp_path / "case.toml"
+    file.write_text(text)
+    with pytest.raises(CaseError, match=rf":{line}: accuracy = -1"):
+        read_case(file)
+
+
+@pytest.mark.parametrize("text", ['extends.case = "shear-empty-3x3"\n', '"\\u0065xtends" = "no such case"\n'])
+def test_extends_in_other_spellings_is_told(text, tmp_path):
+    file = tmp_path / "case.toml"
+    file.write_text(text)
+    with pytest.raises(CaseError, match=r"case\.toml.*extends = .*: no such case"):
+        read_case(file)
+
+
+def test_numbers_of_thousands_of_digits_are_told(tmp_path):
+    file = tmp_path / "case.toml"
+    file.write_text(f"extends = 'shear-empty-3x3'\naccuracy = {'9' * 5000}\n")
+    with pytest.raises(CaseError, match="more digits than can be read"):
+        read_case(file)
+    for override in (f"tissue.rows={'9' * 5000}", f"expected.{'9' * 5000}.level=1"):
+        with pytest.raises(CaseError):
+            read_case("shear-empty-3x3", [override])

@@ -143,6 +143,10 @@ WRONG = {
         "[axes]\ntissue.wall = [0.1]\nb = { kind = 'zip', values = { tissue.wall = [0.2] } }",
         (":12: axes.b: tissue.wall is in tissue.wall already",),
     ),
+    "tables that say another axis' key": (
+        "[axes]\n\"tissue.wall\" = [0.1, 0.2]\ntissue = [{ wall = 0.15 }]",
+        (":12: axes.tissue: tissue.wall is in tissue.wall as well",),
+    ),
     "set as well": ("[axes]\nmesh.order = [1, 2]", (":11: axes.mesh.order: mesh.order is in set already",)),
     "no such kind": (
         "[axes]\ntissue.wall = { kind = 'rnage', start = 0.1, stop = 0.2, number = 3 }",
@@ -234,3 +238,29 @@ def test_a_point_that_was_drawn_and_makes_no_case_is_not_a_wrong_study():
             refused[number] = str(error)
     assert 0 < len(refused) < 8
     found.check(refused)
+
+
+def test_a_table_comes_before_what_is_set_in_it(tmp_path):
+    file = tmp_path / "study.toml"
+    tables = "tissue = [{ rows = 2, cols = 2 }, { rows = 1, cols = 2 }]"
+    file.write_text(f'case = "shear-empty-3x3"\n[axes]\n"tissue.wall" = [0.1, 0.2]\n{tables}\n')
+    cases = Cases(read_study(file))
+    found = [(cases.case(number).tissue.wall, cases.case(number).tissue.rows) for number in range(len(cases))]
+    assert found == [(0.1, 2), (0.1, 1), (0.2, 2), (0.2, 1)]
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "set.tissue = { kind = 'polygons', file = 'cells.wkt', wall = 0.1 }\naxes.accuracy = [0.1]",
+        "axes.tissue = [{ kind = 'polygons', file = 'cells.wkt', wall = 0.1 }]",
+        "set.tissue = { kind = 'polygons', wall = 0.1 }\n"
+        "axes.both = { kind = 'zip', values = { tissue.file = ['cells.wkt'], accuracy = [0.1] } }",
+    ],
+)
+def test_files_in_tables_of_a_study_are_beside_it(said, tmp_path, monkeypatch):
+    (tmp_path / "cells.wkt").write_text("POLYGON ((0 0, 1 0, 1 1, 0 1, 0 0))\nPOLYGON ((1 0, 2 0, 2 1, 1 1, 1 0))\n")
+    file = tmp_path / "study.toml"
+    file.write_text(f'case = "shear-empty-3x3"\n{said}\n')
+    monkeypatch.chdir(tmp_path.parent)
+    assert Cases(read_study(file)).case(0).tissue.file == str(tmp_path / "cells.wkt")

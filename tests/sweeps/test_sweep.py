@@ -320,3 +320,14 @@ def test_the_time_that_is_left_follows_the_clock():
 
 def test_provenance_that_may_differ_is_told_apart():
     assert set(PROVENANCE) == {"attempts", "seconds", "processor_seconds", "memory_gib", "host"}
+
+
+def test_a_run_that_was_killed_takes_no_place_of_a_result(tmp_path):
+    store, whole, killed = Store(tmp_path), {"key": "ab", "final": True, "n": 1}, {"key": "ab", "final": False, "n": 2}
+    store.write(killed)
+    assert not store.holds("ab") and store.read("ab") == killed
+    store.write(whole)
+    store.write(killed)
+    assert store.holds("ab") and store.read("ab") == whole
+    store.write(whole | {"n": 3})
+    assert store.read("ab") == whole | {"n": 3}

@@ -86,6 +86,8 @@ class MortarContact:
         The solver's own numbers.
     """
 
+    has_multipliers = True
+
     def __init__(
         self, walls: Surface, stiffness: Array, reach: Reach, options: ContactOptions = DEFAULT_OPTIONS
     ) -> None:

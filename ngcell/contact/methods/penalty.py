@@ -123,6 +123,8 @@ class PenaltyContact:
         The solver's own numbers.
     """
 
+    has_multipliers = False
+
     def __init__(
         self,
         walls: Surface,
@@ -201,8 +203,7 @@ class PenaltyContact:
         return couplings_of_near_facets(self.walls, positions, self.reach + margin)
 
     def pressures(self, positions: Array, points: SurfacePoints) -> Array:
-        """Return the contact pressure at points of the walls [stress]: penalty stiffness times overlap, half of it from
-        each pass."""
+        """Return the contact pressure at points of the walls [stress]: stiffness times overlap, half from each pass."""
         pairs = self.searching(points).pairs(self.walls.nodes(positions))
         gaps = gap_kinematics(self.walls, pairs, positions).gaps(positions)
         pressure = -self._pairwise(pairs) * np.minimum(gaps, 0)
@@ -218,8 +219,7 @@ class PenaltyContact:
         self._stiffens, self._deep_between = self._may_stiffen, _EARLY if early else self._options.soft
 
     def memory(self) -> dict[str, NDArray[Any]]:
-        """Return what was raised of each body, and which have the finer rule; nothing where penalty terms stay as they
-        are."""
+        """Return what was raised of each body, and which have the finer rule; nothing where penalty terms stay."""
         return {"factor": self._factor.copy(), "is_refined": self._is_refined.copy()} if self._stiffens else {}
 
     def recall(self, memory: Mapping[str, NDArray[Any]]) -> None:

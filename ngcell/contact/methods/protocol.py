@@ -112,6 +112,11 @@ class ContactMethod(Protocol):
     def stiffness(self) -> Array:
         """Stiffness of the penalty terms of each facet [stress / length], shape (facets,)."""
 
+    @property
+    def has_multipliers(self) -> bool:
+        """Whether pressures are unknowns of their own, and not those of overlaps. They come in beside an equilibrium of
+        the stage before."""
+
     def pair(self, positions: Array) -> ContactSet:
         """Find all contact pairs."""
 

@@ -180,7 +180,7 @@ class ContactTerm(Term):
     @property
     def has_multipliers(self) -> bool:
         """Whether pressures are unknowns of their own, and not those of overlaps."""
-        return not isinstance(self.method, Adapting)
+        return self.method.has_multipliers
 
     def checks(self, at: Configuration, scales: Scales) -> tuple[Check, ...]:
         """Return tension, complementarity and the method's own conditions."""

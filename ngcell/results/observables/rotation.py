@@ -31,6 +31,11 @@ class Rotation(Section):
             np.array([row - (np.bincount(body, row * one, count) / number)[body] for row in places[:2]]) * one
             for places in (rest_positions, view.positions)
         )
-        along = np.bincount(body, (rest * moved).sum(0), count)
-        across = np.bincount(body, rest[0] * moved[1] - rest[1] * moved[0], count)
-        return np.degrees(np.arctan2(across, along))
+        def products(places: NDArray[np.float64]) -> NDArray[np.float64]:
+            """Sums of products with places at rest, shape (bodies, 2, 2)."""
+            sums = [[np.bincount(body, one * other, count) for other in rest] for one in places]
+            return np.moveaxis(np.array(sums), -1, 0)
+
+        gradient = products(moved) @ np.linalg.inv(products(rest))
+        turn = np.arctan2(gradient[:, 1, 0] - gradient[:, 0, 1], np.trace(gradient, axis1=1, axis2=2))
+        return np.asarray(np.degrees(turn))
