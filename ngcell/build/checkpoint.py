@@ -75,8 +75,9 @@ class Checkpoint:
         )
 
     def on_level(self, phase: str, level: int) -> Checkpoint:
-        """Return the checkpoint as a step on this mesh sees it: energies on another are no part of its work."""
-        is_same = self.levels.get(phase, level) == level or self.work[phase].load_factor == 0
+        """Return the checkpoint as a step on this mesh sees it: energies on another are no part of its work, but for
+        that of bodies that have not moved."""
+        is_same = self.levels.get(phase, level) == level or not np.any(self.reported.get(phase, 0.0))
         work = self.work if is_same else {name: point for name, point in self.work.items() if name != phase}
         return replace(self, work=work, levels={**self.levels, phase: level})
 

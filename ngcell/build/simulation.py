@@ -5,7 +5,7 @@ finer ones, and is measured there.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import cached_property
 from time import perf_counter
 
@@ -25,7 +25,8 @@ from ngcell.clock import Clock
 from ngcell.mechanics.term import Configuration
 from ngcell.mechanics.transfer import transferred
 from ngcell.problem.problem import Problem
-from ngcell.results.observables.observable import Observable
+from ngcell.results.observables.observable import Observable, check_names
+from ngcell.results.record import StepRecord
 from ngcell.scene import AnyCase, BodyScene
 from ngcell.solve.step import Accepted, within_budget
 from ngcell.solve.strategies.load_stepping import LoadStepping
@@ -86,12 +87,14 @@ class Simulation(Problems):
 
         self.refinement: Refinement[Simulation] = Refinement(self, stages, build, scene.accuracy)
         self._strategy = strategy
+        watched = (*self._case.observables, *observables)
+        check_names(watched, {column.name for column in fields(StepRecord)})
         self._observer = Observer(
             self.setup,
             self.bodies,
             levels=self.levels,
             expected=() if isinstance(self._case, BodyScene) else self._case.expected,
-            observables=(*self._case.observables, *observables),
+            observables=watched,
             mesh=Mesh(**stages[0].entries, unknowns=self.space.unknowns),
         )
 

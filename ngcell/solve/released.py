@@ -121,7 +121,8 @@ class Released:
         if minimum.ending is Ending.NO_ENERGY:  # elements were folded between the points of a rule that is finer now
             minimum = self._selected(start, centre, may_stall)
         if self.is_mixed and minimum.is_found:
-            minimum = self.minimisers[-1].minimise(minimum.state.displacement, minimum.proximal)
+            exact = self.minimisers[-1].minimise(minimum.state.displacement, minimum.proximal)
+            minimum = replace(exact, to_fall=minimum.to_fall) if exact.is_found else minimum
         minimum = self._stable(minimum)
         if not minimum.is_found:
             raise StepFailed(Outcome.RELEASE_FAILED, load)
@@ -175,6 +176,7 @@ class Released:
         if not self.is_alone:
             return None
         minimiser = self.minimisers[-1]
+        minimiser.problem.reset()  # no softer stage leads to it, from which its contact would begin to adapt
         minimum = minimiser.minimise(start, proximal)
         if minimum.is_found:
             minimum = until_conditions_hold(minimiser, minimum, self.longest_step, self.path.options)

@@ -140,6 +140,8 @@ def modes_as_low(
     weight, free = -options.farther * lowest.curvature, minimiser.problem.free
     solve, mass = minimiser.stiffened(minimum, weight), minimiser.problem.mass.tocsr()[free][:, free]
     count = min(options.most_modes, mass.shape[0] - 1)
+    if not count:
+        return (lowest,)
 
     def solved(force: Array) -> Array:
         whole = np.zeros(len(free))

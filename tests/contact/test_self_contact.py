@@ -316,3 +316,13 @@ def test_a_point_has_a_gap_to_each_side_that_it_has_a_foot_on():
         expected |= {(point, int(side)) for point in np.flatnonzero(is_foot).tolist()}
     assert listed == expected
     assert len(np.unique(found.keys)) == len(pairs) > len(np.unique(pairs.point))
+
+
+@pytest.mark.parametrize("strategy", ["sddp", "single-step"])
+def test_penalty_terms_of_a_cell_that_is_alone_adapt_by_each_strategy(strategy):
+    one = ["tissue.rows=1", "tissue.cols=1", "accuracy=inf", "expected=[]", f"strategy.kind='{strategy}'"]
+    case = read_case("shear-empty-3x3", [*one, "load={kind='plates', displacement=[0.0, -0.1], levels=1}"])
+    simulation = Simulation(case)
+    assert list(simulation.accepted_steps())
+    (contact,) = (term for term in simulation.problem.terms if isinstance(term, SelfContact))
+    assert contact.method.memory()

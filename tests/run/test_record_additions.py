@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import ngsolve
 import pytest
 
 import ngcell
-from ngcell.errors import OutputError
+from ngcell.errors import CaseError, OutputError
 from tests.run.test_resume import TISSUE, assert_same_numbers, rows
 from tools.studies.numbers import with_tolerance
 
@@ -58,3 +59,10 @@ def test_a_recorded_run_is_resumed_with_the_same_additions_and_with_no_others(tm
         ngcell.resume(out, **{**additions(), "strategy": ngcell.Sddp(steps=3)})
     assert len(list(ngcell.resume(out, **additions(), pictures=False))) == 1
     assert_same_numbers(rows(out / "history.csv"), rows(whole / "history.csv"))
+
+
+@pytest.mark.parametrize(("names", "words"), [(("energy",), "a column has"), (("mine", "mine"), "another observable has")])
+def test_observables_have_names_of_their_own_before_anything_is_solved(names, words) -> None:
+    observables = [SimpleNamespace(name=name, values=lambda view: 1.0) for name in names]
+    with pytest.raises(CaseError, match=f"observable '{names[-1]}': {words} this name"):
+        ngcell.simulate(ngcell.read_case("shear-empty-3x3"), observables=observables)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.errors import CaseError
 from ngcell.results.quantities import View
 
 Array = NDArray[np.float64]
@@ -24,6 +25,22 @@ class Observable(Protocol):
     def values(self, view: View) -> float | Array:
         """Return a number, or one value a body, shape (bodies,), which becomes a field; the column is then their mean.
         """
+
+
+def check_names(observables: Sequence[Observable], taken: Collection[str]) -> None:
+    """Check that each observable has a name of its own, which no other column has.
+
+    Raises
+    ------
+    CaseError
+        If one has not.
+    """
+    seen = set(taken)
+    for observable in observables:
+        if observable.name in seen:
+            what = "a column" if observable.name in taken else "another observable"
+            raise CaseError(f"observable {observable.name!r}: {what} has this name; allowed: a name of its own")
+        seen.add(observable.name)
 
 
 def observed(observables: Sequence[Observable], view: View) -> tuple[dict[str, float], Mapping[str, Array]]:

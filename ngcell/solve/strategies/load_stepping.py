@@ -116,7 +116,7 @@ class _Path:
                 goal = target if pieces == 1 else place.load + way / pieces
                 tried = self._tried(place, goal, is_shortest=increment < shortest)
                 while tried is None:
-                    if increment < shortest / 2**_FURTHER_HALVINGS:
+                    if not way or increment < shortest / 2**_FURTHER_HALVINGS:
                         raise StepFailed(Outcome.RELEASE_FAILED, goal)
                     increment /= 2
                     self._released.apart.effort.cutbacks += 1

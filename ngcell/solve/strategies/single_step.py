@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.scene.section import PositiveCount, Section
+from ngcell.solve.effort import OutOfIterations
 from ngcell.solve.released import Released
 from ngcell.solve.step import MOST_HALVINGS, Accepted, Motion, StepFailed, next_goal
 from ngcell.solve.strategies.strategy import Progress, Task
@@ -53,7 +54,7 @@ class SingleStep(Section):
             before = task.released.effort
             step = _from_lifting(task, target) if motion.has_lifting else None
             if step is None:
-                step = _followed(task.released, motion, displacement, load, target)
+                step = _followed(task, motion, displacement, load, target)
                 step = replace(step, effort=task.released.effort - before)
             load, displacement = target, step.minimum.state.displacement
             yield step
@@ -70,16 +71,18 @@ def _from_lifting(task: Task, target: float) -> Accepted | None:
         return None
 
 
-def _followed(released: Released, motion: Motion, displacement: Array, load: float, target: float) -> Accepted:
+def _followed(task: Task, motion: Motion, displacement: Array, load: float, target: float) -> Accepted:
     """Return the equilibrium that increments lead to: half as long ones where bodies are deep in each other after it,
     as where a corner has come to the wrong side of another."""
+    released = task.released
     step = _incremental_step(released, motion, displacement, load, target, 1)
     if released.problem.has_history or released.problem.overlap(step.minimum.state) <= _PASSED:
         return step
     _log.info("bodies overlap where they should not; the load is followed in smaller increments")
     try:
         return _incremental_step(released, motion, displacement, load, target, 2)
-    except StepFailed:
+    except (StepFailed, OutOfIterations):
+        task.problems.renew_budget()
         return _incremental_step(released, motion, displacement, load, target, 1)  # as before, to the last digit
 
 
