@@ -52,7 +52,7 @@ class LumenFluids(Term):
     fill : float
         Area of the fluid at load factor 1 over that of the lumen at rest, > 0.
     in_full : bool
-        Whether cells hold that much at every load factor above 0, instead of being filled as the load grows.
+        Whether cells hold that much at every load factor, instead of being filled as the load grows.
 
     Attributes
     ----------

@@ -31,7 +31,7 @@ class AppliedLoads(SymbolicTerm):
     motion : PrescribedMotion
         The supports, which hold the rims of boundaries under pressure.
     in_full : bool
-        Whether loads act in full at every load factor above 0, instead of growing with it.
+        Whether loads act in full at every load factor, instead of growing with it.
     cell_pressure : array of float, shape (bodies,), optional
         Pressure in each cell at load factor 1 [stress], where the loads are those.
 
