@@ -25,6 +25,7 @@ from ngcell.clock import Clock
 from ngcell.mechanics.term import Configuration
 from ngcell.mechanics.transfer import transferred
 from ngcell.problem.problem import Problem
+from ngcell.results.fields import FIELDS
 from ngcell.results.observables.observable import Observable, check_names
 from ngcell.results.record import StepRecord
 from ngcell.scene import AnyCase, BodyScene
@@ -88,7 +89,7 @@ class Simulation(Problems):
         self.refinement: Refinement[Simulation] = Refinement(self, stages, build, scene.accuracy)
         self._strategy = strategy
         watched = (*self._case.observables, *observables)
-        check_names(watched, {column.name for column in fields(StepRecord)})
+        check_names(watched, {column.name for column in fields(StepRecord)} | FIELDS)
         self._observer = Observer(
             self.setup,
             self.bodies,

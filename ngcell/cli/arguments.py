@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from math import isfinite
 from pathlib import Path
 
 import click
@@ -14,6 +15,13 @@ def _with_value(ctx: click.Context, parameter: click.Parameter, overrides: tuple
         if not override.partition("=")[1]:
             raise click.BadParameter(f"{override!r} is not key=value, as in --set tissue.wall=0.1")
     return overrides
+
+
+def finite(ctx: click.Context, parameter: click.Parameter, value: float | None) -> float | None:
+    """Return a number; refuse one that no range refuses, and that is none."""
+    if value is not None and not isfinite(value):
+        raise click.BadParameter(f"{value} is no number to reckon with; allowed: a finite number > 0")
+    return value
 
 
 def picture_file(ctx: click.Context, parameter: click.Parameter, file: Path | None) -> Path | None:

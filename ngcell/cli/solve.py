@@ -7,14 +7,13 @@ import gc
 import logging
 import sys
 from collections.abc import Mapping
-from math import isfinite
 from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from ngcell.cli.arguments import optional_case_argument, set_option
+from ngcell.cli.arguments import finite, optional_case_argument, set_option
 from ngcell.cli.members import holds_members, members_lines
 from ngcell.cli.pace import Pace
 from ngcell.cli.progress import silent_progress, step_progress
@@ -26,12 +25,6 @@ if TYPE_CHECKING:
     from ngcell.ensemble import Ensemble
     from ngcell.recording import Recording
     from ngcell.scene import AnyCase
-
-
-def _finite(ctx: click.Context, parameter: click.Parameter, value: float | None) -> float | None:
-    if value is not None and not isfinite(value):
-        raise click.BadParameter(f"{value} is no time; allowed: a number > 0")
-    return value
 
 
 @click.command(short_help="Solve a case, or resume a run that stopped.")
@@ -49,7 +42,7 @@ def _finite(ctx: click.Context, parameter: click.Parameter, value: float | None)
     "--max-minutes",
     metavar="MINUTES",
     type=click.FloatRange(min=0, min_open=True),
-    callback=_finite,
+    callback=finite,
     help="End the run after this time; it keeps every accepted step, and --resume computes the rest.",
 )
 @click.option(
@@ -75,6 +68,7 @@ def _finite(ctx: click.Context, parameter: click.Parameter, value: float | None)
     "--spread",
     metavar="SHARE",
     type=click.FloatRange(min=0, max=0.1, min_open=True),
+    callback=finite,
     help="Share of the side by which corners are displaced at most, and of their thickness by which walls deviate, "
     "by default 0.001. Tissues that are drawn from a seed differ as they say.",
 )

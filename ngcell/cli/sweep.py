@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ngcell.cli.arguments import study_names
+from ngcell.cli.arguments import finite, study_names
 from ngcell.cli.interrupts import remembered_interrupts
 from ngcell.cli.pace import duration
 from ngcell.cli.streams import note
@@ -36,12 +36,14 @@ if TYPE_CHECKING:
     "--memory",
     metavar="GIB",
     type=click.FloatRange(min=0, min_open=True),
+    callback=finite,
     help="Memory that one run may take; a run that needs more ends as out-of-memory.",
 )
 @click.option(
     "--wait",
     metavar="MINUTES",
     type=click.FloatRange(min=0, min_open=True),
+    callback=finite,
     default=60,
     show_default=True,
     help="End the sweep where the cluster has had no worker for so long.",

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ngcell.cli.arguments import picture_file
+from ngcell.cli.arguments import finite, picture_file
 
 
 @click.command(short_help="Show the deformed tissue of a run.")
@@ -20,6 +20,7 @@ from ngcell.cli.arguments import picture_file
 @click.option(
     "--clip",
     type=click.FloatRange(0, 1, min_open=True),
+    callback=finite,
     help="Cut three-dimensional bodies off above this share of their height.",
 )
 def view(folder: Path, screenshot: Path | None, clip: float | None) -> None:

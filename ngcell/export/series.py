@@ -6,8 +6,9 @@ and Python writes the file, so that a full disk shows as an error and never as h
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -141,7 +142,8 @@ def read_last_snapshot(folder: Path, name: str = "tissue") -> tuple[Snapshot, bo
 def count_snapshots(folder: Path, name: str = "tissue") -> int:
     """Return the number of snapshots of a series; 0 where there is none that can be read."""
     try:
-        return len(_open_series(Path(folder) / f"{name}.pvd").time_values)
+        with _silent():
+            return len(_open_series(Path(folder) / f"{name}.pvd").time_values)
     except _UNREADABLE:
         return 0
 
@@ -166,22 +168,37 @@ def read_snapshot(folder: Path, number: int, name: str = "tissue") -> tuple[Snap
     path = Path(folder) / f"{name}.pvd"
     if not path.is_file():
         raise OutputError(f"{folder} holds no {path.name}: not a result, or no step was accepted")
-    from vtkmodules.vtkCommonCore import vtkObject
-
-    vtkObject.GlobalWarningDisplayOff()  # what it would tell of damaged files is told below, in one line
     try:
-        reader = _open_series(path)
-        reader.set_active_time_value(reader.time_values[number])
-        bulk, walls = reader.read()
+        with _silent():
+            reader = _open_series(path)
+            reader.set_active_time_value(reader.time_values[number])
+            bulk, walls = reader.read()
         labels, _ = bulk.field_data, walls.field_data[VERDICT]  # which a damaged file does not have
         step, load_factor, displacement = (labels[key][0] for key in ("step", "load_factor", "plate_displacement"))
         snapshot = Snapshot(int(step), float(load_factor), float(displacement), _grid(bulk), _grid(walls))
         return snapshot, labels[VERDICT][0] == CERTIFIED
     except _UNREADABLE as error:
         reason = str(error).partition("\n")[0] or type(error).__name__
+        if isinstance(error, LookupError):
+            reason = "a file that it lists is not whole"
         place = "the last snapshot" if number < 0 else f"snapshot {number}"
         raise OutputError(f"cannot read {place} of {path}: {reason}; is it damaged?") from error
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """Let VTK tell nothing of damaged files: it is told in one line."""
+    from vtkmodules.vtkCommonCore import vtkLogger, vtkObject
+
+    verbosity = vtkLogger.GetCurrentVerbosityCutoff()
+    vtkObject.GlobalWarningDisplayOff()
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
+    logging.disable(logging.ERROR)
+    try:
+        yield
     finally:
+        logging.disable(logging.NOTSET)
+        vtkLogger.SetStderrVerbosity(verbosity)
         vtkObject.GlobalWarningDisplayOn()
 
 

@@ -8,6 +8,7 @@ for both cells, so that they share it exactly.
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,8 @@ from ngcell.errors import DependencyError, GeometryError
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
+#: Labels that a picture in floating point numbers holds exactly are below this.
+_MOST_LABELS = 2**53
 #: Fewest pixels of a cell: smaller ones are noise.
 _FEWEST_PIXELS = 4
 
@@ -37,10 +40,14 @@ def read_labels(file: Path) -> Index:
     except ImportError as error:
         raise DependencyError("label images need pillow; install ngcell[image]") from error
     try:
-        with Image.open(file) as image:
-            labels = np.asarray(image)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # below twice its limit
+            with Image.open(file, formats=("PNG", "TIFF")) as image:
+                labels = np.asarray(image)
     except UnidentifiedImageError as error:
         raise GeometryError(f"{file}: is no image; allowed: a PNG or TIFF with one whole number a pixel") from error
+    except Image.DecompressionBombError as error:
+        raise GeometryError(f"{file}: {error}; allowed: fewer pixels: cut the image, or make it coarser") from error
     except OSError as error:
         reason = error.strerror or error
         raise GeometryError(f"{file}: cannot be read ({reason}); allowed: a readable PNG or TIFF") from error
@@ -48,7 +55,8 @@ def read_labels(file: Path) -> Index:
         raise GeometryError(
             f"{file}: has {labels.shape[2]} channels; allowed: one, a label image rather than a picture of it"
         )
-    if (labels != np.round(labels)).any() or labels.min() < 0:
+    whole = np.isfinite(labels) & (labels == np.round(labels)) & (labels >= 0) & (labels < _MOST_LABELS)
+    if not whole.all():
         raise GeometryError(f"{file}: has pixels that are no whole number >= 0; allowed: 0 and the numbers of cells")
     return labels.astype(np.int64)
 

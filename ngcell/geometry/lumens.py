@@ -41,7 +41,7 @@ def can_be_swept(outlines: Outlines, wall: Array | float) -> NDArray[np.bool_]:
 
 def largest_wall(outlines: Outlines, cell: int, wall: float) -> float:
     """Return the largest thickness below `wall` [length] that can be swept in a cell; 0 if none can."""
-    low, high = 0.0, wall
+    low, high = 0.0, min(wall, float(np.ptp(outlines.corners[outlines.cell == cell], axis=0).max()))
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
         low, high = (middle, high) if can_be_swept(outlines, middle)[cell] else (low, middle)

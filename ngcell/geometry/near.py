@@ -34,7 +34,7 @@ def near_pairs(points: Array, reach: float) -> tuple[Index, Index]:
     if len(points) < 2:
         return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
     low, high = points.min(0), points.max(0)
-    side = max(reach, float((high - low).max()) / _MOST_BOXES[points.shape[1]])
+    side = max(reach, float((high - low).max() / _MOST_BOXES[points.shape[1]]))
     boxes = np.floor((points - low) / side).astype(np.int64) + 1
     widths = boxes.max(0) + 2  # an empty box on either side keeps rows apart
     strides = np.cumprod([1, *widths[:-1]])
@@ -54,7 +54,7 @@ def near_pairs(points: Array, reach: float) -> tuple[Index, Index]:
         if translation > 0
     ]
     one, two = (order[np.concatenate(parts)] for parts in zip(*found, strict=True))
-    near = ((points[one] - points[two]) ** 2).sum(1) <= reach**2
+    near = ((points[one] - points[two]) ** 2).sum(1) <= reach * reach
     lower, upper = np.minimum(one, two)[near], np.maximum(one, two)[near]
     sorting = np.lexsort((upper, lower))
     return lower[sorting], upper[sorting]

@@ -49,7 +49,7 @@ def _from_geojson(file: Path, text: str) -> tuple[list[Array], list[str]]:
 
     try:
         shape = shapely.from_geojson(text)
-    except shapely.GEOSException as error:
+    except (shapely.GEOSException, NotImplementedError) as error:
         reason = _first_line(error)
         raise GeometryError(f"{file}: is no GeoJSON ({reason}); allowed: a collection of polygons") from error
     return _of_shapes(file, _members(shape))
@@ -64,7 +64,7 @@ def _from_wkt(file: Path, text: str) -> tuple[list[Array], list[str]]:
             continue
         try:
             shapes += _members(shapely.from_wkt(line))
-        except shapely.GEOSException as error:
+        except (shapely.GEOSException, NotImplementedError) as error:
             reason = _first_line(error)
             raise GeometryError(f"{file}:{number}: is no WKT ({reason}); allowed: a POLYGON a line") from error
     return _of_shapes(file, shapes)
@@ -75,6 +75,8 @@ def _from_csv(file: Path, text: str) -> tuple[list[Array], list[str]]:
         rows = list(csv.DictReader(text.splitlines()))
     except csv.Error as error:
         raise GeometryError(f"{file}: is no CSV ({error}); allowed: the columns {', '.join(_COLUMNS)}") from error
+    if text.strip() and not rows:
+        raise GeometryError(f"{file}: has no row below its first line; allowed: a row for each corner")
     if not rows or not set(_COLUMNS) <= set(rows[0]):
         raise GeometryError(f"{file}: its first line does not name {', '.join(_COLUMNS)}; allowed: these columns")
     corners: dict[str, list[tuple[float, float]]] = {}

@@ -23,6 +23,9 @@ from ngcell.results.places import element_type, map_points
 from ngcell.results.snapshot import Grid
 
 Array = NDArray[np.float64]
+
+#: Names of the fields that every snapshot has.
+FIELDS = frozenset({"displacement", "J", "cauchy_stress", "von_mises", "cell_id"})
 Index = NDArray[np.int64]
 
 

@@ -58,7 +58,7 @@ def headline(summary: Summary) -> str:
     if not is_finished(summary):
         reason = summary.get("reason")
         return f"not certified: the run {_stop_words(summary, reason)} after {_count(steps, 'accepted step')}"
-    checks = len(summary.get("certificate", {}))
+    checks = len(_table(summary.get("certificate")))
     if summary.get("certified"):
         passed = f"; {_count(checks, 'check')} passed at each of {_count(steps, 'accepted step')}" if checks else ""
         return f"certified: converged{passed}"
@@ -71,6 +71,11 @@ def headline(summary: Summary) -> str:
     return f"not certified: {outcome}"
 
 
+def _table(found: object) -> Mapping[str, Any]:
+    """Return a table of a summary; an empty one where a damaged summary has something else."""
+    return found if isinstance(found, Mapping) else {}
+
+
 def _stop_words(summary: Summary, reason: object) -> str:
     if summary.get("status") == "running":
         return "has not ended, or was killed,"
@@ -81,7 +86,7 @@ def checks_not_passed(summary: Summary) -> list[FailedCheck]:
     """Return the checks that failed, each with what to try."""
     return [
         FailedCheck(name, check.get("worst"), check.get("limit"), check.get("place", ""), ADVICE.get(name, ""))
-        for name, check in (summary.get("certificate") or {}).items()
+        for name, check in _table(summary.get("certificate")).items()
         if isinstance(check, Mapping) and check.get("passed") is False
     ]
 

@@ -24,7 +24,7 @@ def flattened(table: Any) -> Any:
 
     TOML reads ``tissue.wall = 0.1`` as a table in a table.
     """
-    return joined(table, lambda name, value: "kind" in value)
+    return joined(table, lambda name, value: isinstance(value.get("kind"), str))
 
 
 def joined(table: Any, is_value: Callable[[str, Mapping[str, Any]], bool], before: str = "") -> Any:

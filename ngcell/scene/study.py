@@ -29,8 +29,11 @@ def named_axes(table: Any) -> Any:
 
 
 def _is_axis(name: str, table: Mapping[str, Any]) -> bool:
-    """Return whether a table is an axis, if only one that lacks its kind: no axis is a mere number or text."""
-    return "kind" in table or not all(isinstance(value, (Mapping, list, tuple, BaseModel)) for value in table.values())
+    """Return whether a table is an axis, if only one that lacks its kind: no axis is a mere number or text. A list of
+    kinds is an axis over the key `kind`."""
+    kind = table.get("kind", ())
+    inner = (Mapping, list, tuple, BaseModel)
+    return isinstance(kind, str) or not all(isinstance(value, inner) for value in table.values())
 
 
 def _check_tables(axes: Mapping[str, Any], owner: Mapping[str, str]) -> None:

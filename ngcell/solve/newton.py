@@ -8,7 +8,7 @@ In a tissue there is nearly always a place where contact forces bend the model d
 pass another. Where that is so in a few of the bodies that contact couples, the inner iteration has come far in all
 others before it goes up. That step is taken, and if there is none, those few bodies are damped, by as much as makes the
 model convex along the way that went up. Where half of them or more have a part in it, as two bodies always have, the
-model is refused.
+step counts as a whole: where the model has not fallen along it, the model is refused.
 """
 
 from __future__ import annotations

@@ -8,11 +8,13 @@ import numpy as np
 from pydantic import Field, Strict, ValidationInfo, field_validator
 
 from ngcell.scene.scope import refuse
-from ngcell.scene.section import PositiveCount, PositiveNumber, Section
+from ngcell.scene.section import PositiveNumber, Section
 from ngcell.sweeps.axis import Point
 
 Number = int | float
 Seed = Annotated[int, Field(ge=0)]
+#: How many points an axis may have that nobody has written down one by one.
+Count = Annotated[int, Field(ge=1, le=100_000)]
 
 
 class OverOneKey(Section):
@@ -55,13 +57,13 @@ class Range(OverOneKey):
     start, stop : float
         The ends.
     number : int
-        How many, >= 1.
+        How many, from 1 to 100 000.
     """
 
     kind: Literal["range"] = "range"
     start: Number
     stop: Number
-    number: PositiveCount
+    number: Count
 
     def points(self) -> tuple[Point, ...]:
         """Return the numbers."""
@@ -79,13 +81,13 @@ class LogRange(OverOneKey):
     start, stop : float
         The ends, > 0.
     number : int
-        How many, >= 1.
+        How many, from 1 to 100 000.
     """
 
     kind: Literal["log-range"] = "log-range"
     start: PositiveNumber
     stop: PositiveNumber
-    number: PositiveCount
+    number: Count
 
     def points(self) -> tuple[Point, ...]:
         """Return the numbers; the ends are exact."""
@@ -139,7 +141,7 @@ class Random(Interval):
     """
 
     kind: Literal["random"] = "random"
-    number: PositiveCount
+    number: Count
     seed: Seed = 0
 
     def keys(self, name: str) -> tuple[str, ...]:

@@ -8,8 +8,8 @@ from pydantic import BeforeValidator, Field, field_validator
 
 from ngcell.scene.dotted import flattened
 from ngcell.scene.scope import refuse
-from ngcell.scene.section import PositiveCount, Section
-from ngcell.sweeps.axes import Interval, Seed
+from ngcell.scene.section import Section
+from ngcell.sweeps.axes import Count, Interval, Seed
 from ngcell.sweeps.axis import Point
 
 
@@ -66,14 +66,14 @@ class LatinHypercube(Section):
     over : table
         For each dotted key its interval: ``[low, high]``, or a table with low, high, scale.
     number : int
-        How many points, >= 1.
+        How many points, from 1 to 100 000.
     seed : int
         Seed of the generator, >= 0.
     """
 
     kind: Literal["latin-hypercube"] = "latin-hypercube"
     over: Annotated[dict[str, Interval], BeforeValidator(_by_key), Field(min_length=1)]
-    number: PositiveCount
+    number: Count
     seed: Seed = 0
 
     def keys(self, name: str) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 
 from ngcell.errors import CaseError
@@ -34,7 +35,7 @@ class SweepOptions:
     Raises
     ------
     CaseError
-        `pictures` or `wait` is out of range.
+        `memory`, `pictures` or `wait` is out of range.
     """
 
     store: Path | None = None
@@ -48,5 +49,7 @@ class SweepOptions:
     def __post_init__(self) -> None:
         if not self.wait > 0:
             raise CaseError(f"wait = {self.wait}; allowed: a number > 0 [minutes]")
+        if self.memory is not None and not (isfinite(self.memory) and self.memory > 0):
+            raise CaseError(f"memory = {self.memory}; allowed: a finite number > 0 [GiB]")
         if self.pictures < 0:
             raise CaseError(f"pictures = {self.pictures}; allowed: a whole number >= 0")

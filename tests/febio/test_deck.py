@@ -304,3 +304,12 @@ def test_what_cannot_be_exported_is_named_in_one_line(case, what, tmp_path):
 def test_a_deck_ends_with_feb(tmp_path):
     answer = CliRunner().invoke(command, ["export-febio", "shear-empty-3x3", "--out", str(tmp_path / "tissue.xml")])
     assert answer.exit_code == 2 and ".feb" in answer.output
+
+
+def test_an_indenter_is_paired_with_all_cells_that_have_outer_walls():
+    load = "load={kind='indenter', shape='disc', radius=1.0, depth=0.1}"
+    root = deck("shear-empty-3x3", load, "strategy.kind='single-step'", "expected=[]", "accuracy=0.1")
+    pairs = {tuple(str(pair.get("name")).split("-")[1:]) for pair in root.iter("SurfacePair")}
+    assert {one for one, two in pairs if two == "indenter"} == {f"cell{cell}" for cell in range(9) if cell != 4}
+    contacts = {each.get("surface_pair") for each in root.iter("contact")}
+    assert contacts == {pair.get("name") for pair in root.iter("SurfacePair")}

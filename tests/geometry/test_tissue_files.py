@@ -160,7 +160,9 @@ BAD_FILES = {
     "no number": ("a.csv", "cell,x,y\n0,1,left\n", "", "a.csv:2: x = '1', y = 'left'; allowed: two"),
     "no columns": ("a.csv", "a,b\n1,2\n", "", "does not name cell, x, y"),
     "torn cell": ("a.csv", "cell,x,y\n0,0,0\n1,0,0\n0,1,1\n", "", "a.csv:4: cell 0 again; allowed"),
-    "no polygon": ("a.csv", "cell,x,y\n", "", "holds no polygon|does not name cell, x, y"),
+    "no polygon": ("a.csv", "cell,x,y\n", "", "has no row below its first line; allowed: a row for each corner"),
+    "a long field": ("a.csv", "cell,x,y\n0,0," + "1" * 140_000 + "\n", "", "is no CSV .*; allowed: the columns"),
+    "curves": ("a.wkt", "CURVEPOLYGON(CIRCULARSTRING(0 0, 4 0, 4 4, 0 4, 0 0))", "", "a.wkt:1: is no WKT"),
     "no GeoJSON": ("a.geojson", "{", "", "is no GeoJSON"),
     "a line": ("a.wkt", "LINESTRING (0 0, 1 1)", "", "cell 0 is a LineString; allowed: a polygon"),
     "no WKT": ("a.wkt", "POLYGON ((0 0, 1 1", "", "a.wkt:1: is no WKT"),
@@ -202,6 +204,8 @@ BAD_IMAGES = {
     "speck": (changed(slice(0, 1), slice(0, 2), 9), "", "label 9 has 2 pixels; allowed: 4 or more"),
     "thin cell": (changed(slice(19, 20), slice(5, 15), 9), "tolerance = 3", "has no area left.*: a smaller toleran"),
     "colours": (np.zeros((20, 20, 3)), "", "has 3 channels; allowed: one, a label image"),
+    "endless label": (np.where(IMAGE == 4, np.inf, IMAGE).astype(np.float32), "", "pixels that are no whole number"),
+    "huge label": (np.where(IMAGE == 4, 1e30, IMAGE).astype(np.float32), "", "pixels that are no whole number"),
     "thick wall": (IMAGE, "wall = 1.0", "cell 0, about .* its wall of 1 closes its lumen.*allowed: 0 < wall < 0.9"),
 }
 
@@ -229,8 +233,9 @@ def test_what_a_file_has_wrong_is_one_line(tmp_path, name):
 @pytest.mark.parametrize("name", BAD_IMAGES)
 def test_what_an_image_has_wrong_is_one_line(tmp_path, name):
     image, entries, says = BAD_IMAGES[name]
-    Image.fromarray(image.astype(np.uint8)).save(tmp_path / "a.png")
-    line = complaint(tmp_path, "image", "a.png", entries)
+    file = "a.tif" if image.dtype == np.float32 else "a.png"
+    Image.fromarray(image if image.dtype == np.float32 else image.astype(np.uint8)).save(tmp_path / file)
+    line = complaint(tmp_path, "image", file, entries)
     assert "\n" not in line
     assert re.search(says, line), line
 

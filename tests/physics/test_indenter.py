@@ -180,3 +180,30 @@ def test_the_indenter_is_filled_as_rigid_and_nothing_seems_to_hold_the_upper_sid
     for picture in (layout, tissue):
         grey = np.abs(picture[..., :3] - to_rgb("#aab0b8")).max(2) < 0.02
         assert grey.mean() > 0.02
+
+
+@pytest.mark.parametrize(
+    "load",
+    [
+        {"shape": "disc", "radius": 1e6},
+        {"shape": "wedge", "width": 1.0, "angle": 1e-3},
+        {"shape": "flat", "width": 1e6},
+    ],
+    ids=["disc", "wedge", "flat"],
+)
+def test_of_an_indenter_far_larger_than_the_tissue_only_what_may_touch_is_meshed(load):
+    bodies = discretise(case(load)).space.bodies
+    usual = discretise(case(SHAPES["disc"])).space.bodies
+    assert bodies.mesh.ne < 2 * usual.mesh.ne
+    mesh, is_indenter = bodies.mesh, bodies.body_of_element >= bodies.cell_count
+    vertices = [[vertex.nr for vertex in element.vertices] for element in mesh.Elements()]
+    mine = np.unique(np.concatenate([vertices[number] for number in np.flatnonzero(is_indenter)]))
+    nodes = np.array([vertex.point for vertex in mesh.vertices])
+    indenter, cells = nodes[mine], np.delete(nodes, mine, axis=0)
+    low = cells[:, 1].max() + CLEARANCE
+    assert indenter[:, 1].min() == pytest.approx(low, rel=1e-9)
+    assert np.ptp(indenter[:, 0]) < 5 * np.ptp(cells[:, 0])
+    if "radius" in load:
+        lowest = indenter[indenter[:, 1] < low + CLEARANCE]
+        rise = (lowest[:, 0] - (cells[:, 0].min() + cells[:, 0].max()) / 2) ** 2 / (2 * load["radius"])
+        np.testing.assert_allclose(lowest[:, 1], low + rise, rtol=0, atol=1e-9)

@@ -155,7 +155,7 @@ WRONG = {
     "no kind": ("[axes]\ntissue.wall = { start = 0.1, stop = 0.2 }", (":11: axes.tissue.wall.kind is missing",)),
     "no points": (
         "[axes]\ntissue.wall = { kind = 'range', start = 0.1, stop = 0.2, number = 0 }",
-        (":11: axes.tissue.wall.number = 0", "a whole number >= 1"),
+        (":11: axes.tissue.wall.number = 0", "a whole number from 1 to 100000"),
     ),
     "an interval upside down": (
         "[axes]\ntissue.wall = { kind = 'random', low = 0.2, high = 0.1, number = 3 }",
@@ -264,3 +264,17 @@ def test_files_in_tables_of_a_study_are_beside_it(said, tmp_path, monkeypatch):
     file.write_text(f'case = "shear-empty-3x3"\n{said}\n')
     monkeypatch.chdir(tmp_path.parent)
     assert Cases(read_study(file)).case(0).tissue.file == str(tmp_path / "cells.wkt")
+
+
+@pytest.mark.parametrize(
+    "axes",
+    [
+        "strategy.kind = ['sddp', 'single-step']\n",
+        "both = { kind = 'zip', values = { strategy.kind = ['sddp', 'single-step'], tissue.wall = [0.1, 0.2] } }",
+    ],
+)
+def test_kinds_vary_along_axes_as_other_keys_do(axes, tmp_path):
+    file = tmp_path / "study.toml"
+    file.write_text(f'case = "shear-empty-3x3"\n[axes]\n{axes}\n')
+    cases = Cases(read_study(file))
+    assert [cases.case(number).strategy.kind for number in range(len(cases))] == ["sddp", "single-step"]

@@ -168,9 +168,13 @@ def _pairs(built: Simulation) -> list[Pair]:
     walls, facing, edge = built.walls, built.setup.facing, _wall_edges(built)
     moduli = np.array([law.plane_strain_modulus for law in built.discretisation.walls])
     stiffness = penalty_stiffness(walls, moduli, built.options.contact.penalty_multiple)
+    touching = [(pair, np.unique(facing.facet[facing.pair == number])) for number, pair in enumerate(facing.pairs)]
+    outer = np.setdiff1d(np.arange(walls.facet_count), facing.facet)
+    cells = np.unique(walls.body[outer[walls.body[outer] < built.bodies.cell_count]])
+    for rigid in range(built.bodies.cell_count, built.bodies.body_count):  # what is pressed in faces nothing at rest
+        touching += [((cell, rigid), outer[np.isin(walls.body[outer], (cell, rigid))]) for cell in cells.tolist()]
     found = []
-    for number, pair in enumerate(facing.pairs):
-        facets = np.unique(facing.facet[facing.pair == number])
+    for pair, facets in touching:
         one, two = (facets[walls.body[facets] == body] for body in pair)
         names = tuple(built.bodies.body_names[body] for body in pair)
         found.append(Pair((names[0], names[1]), (edge[one], edge[two]), float(stiffness[facets].min())))

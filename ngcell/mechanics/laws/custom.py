@@ -23,8 +23,9 @@ Expression = Callable[[ngsolve.CoefficientFunction], ngsolve.CoefficientFunction
 
 #: Strain of the differences that moduli at rest are taken from.
 _STRAIN = 1e-5
-#: Stress at rest, as a share of the shear modulus, above which a law counts as stressed at rest.
-_AT_REST = 1e-9
+#: Stress at rest, as a share of the shear modulus, above which a law counts as stressed at rest, and as a share of the
+#: larger modulus for energy at rest and for stress after a rotation about each axis; and the angle of it [radian].
+_AT_REST, _TURN = 1e-9, 0.7
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,9 +36,9 @@ class CustomLaw:
     ----------
     energy : function
         Returns W [stress] of the deformation gradient F, an NGSolve expression of shape (3, 3); in plane strain F has
-        the row and column (0, 0, 1) of a stretch that is held. W is zero and without stress at F = I, isotropic at
-        small strains, and written with what NGSolve has for expressions: ``ngsolve.Det(F)``, ``ngsolve.Trace(F.trans
-        * F)``, ``ngsolve.log``, ...
+        the row and column (0, 0, 1) of a stretch that is held. W is zero and without stress where F is a rotation, and
+        written with what NGSolve has for expressions: ``ngsolve.Det(F)``, ``ngsolve.Trace(F.trans * F)``,
+        ``ngsolve.log``, ...
     volumetric : function, optional
         Returns a further part of W [stress] of the volume ratio ``J = det F``. What fills lumens integrates it with
         fewer points, so that it does not lock. By default all of W is in `energy`.
@@ -64,7 +65,10 @@ class CustomLaw:
     def __post_init__(self) -> None:
         if not callable(self.energy):
             raise CaseError(f"energy of a law is {self.energy!r}; allowed: a function of the deformation gradient")
-        at_rest = self._first_piola(np.eye(3)[None])[0]
+        told = self.energy(ngsolve.CF(tuple(np.eye(3).ravel()), dims=(3, 3)))
+        if not isinstance(told, ngsolve.CoefficientFunction) or told.dim != 1:
+            raise CaseError(f"energy of a law returns {told!r}; allowed: an NGSolve expression of one number")
+        energy, at_rest = self._energy(np.eye(3)[None])[0], self._first_piola(np.eye(3)[None])[0]
         if not (np.isfinite(at_rest).all() and self.shear_modulus > 0 and self.bulk_modulus > 0):
             raise CaseError(
                 f"energy of a law: at rest shear modulus {self.shear_modulus:g}, bulk modulus {self.bulk_modulus:g}; "
@@ -74,6 +78,12 @@ class CustomLaw:
             raise CaseError(
                 f"energy of a law: a stress of {np.abs(at_rest).max():g} at rest; allowed: none where F is the identity"
             )
+        stiffest = max(self.shear_modulus, self.bulk_modulus)
+        if not abs(energy) <= _AT_REST * stiffest:
+            raise CaseError(f"energy of a law: {energy:g} at rest; allowed: 0 where F is the identity")
+        turned = np.abs(self._first_piola(_turns(_TURN))).max()
+        if not turned <= _AT_REST * stiffest:
+            raise CaseError(f"energy of a law: a stress of {turned:g} after a rotation; allowed: none, as at rest")
 
     @cached_property
     def shear_modulus(self) -> float:
@@ -117,16 +127,33 @@ class CustomLaw:
         stress = self._first_piola(gradient) @ gradient.transpose(0, 2, 1)
         return np.asarray(stress / np.linalg.det(gradient)[:, None, None])
 
+    def _energy(self, gradient: Array) -> Array:
+        """Return W [stress], shape (n,), of deformation gradients of shape (n, 3, 3)."""
+        return self._evaluated(gradient, self.stored_energy).ravel()
+
     def _first_piola(self, gradient: Array) -> Array:
         """Return dW/dF [stress], shape (n, 3, 3), of deformation gradients of that shape."""
+        return self._evaluated(gradient, lambda variable: self.stored_energy(variable).Diff(variable)).reshape(-1, 3, 3)
+
+    def _evaluated(self, gradient: Array, expression: Expression) -> Array:
+        """Return what an expression of the deformation gradient is at gradients of shape (n, 3, 3)."""
         count = len(gradient)
         entries = [
             ngsolve.VoxelCoefficient((0.0,), (1.0,), column.copy(), False) for column in gradient.reshape(-1, 9).T
         ]
         variable = ngsolve.CF(tuple(entries), dims=(3, 3)).MakeVariable()
-        stress = self.stored_energy(variable).Diff(variable)
-        values = stress(_interval()((np.arange(count) + 0.5) / count))
-        return np.asarray(values, dtype=float).reshape(count, 3, 3)
+        values = expression(variable)(_interval()((np.arange(count) + 0.5) / count))
+        return np.asarray(values, dtype=float)
+
+
+def _turns(angle: float) -> Array:
+    """Return rotations about each axis, shape (3, 3, 3)."""
+    turns = np.tile(np.eye(3), (3, 1, 1))
+    for axis in range(3):
+        one, two = (axis + 1) % 3, (axis + 2) % 3
+        turns[axis, [one, two], [one, two]] = np.cos(angle)
+        turns[axis, one, two], turns[axis, two, one] = -np.sin(angle), np.sin(angle)
+    return turns
 
 
 @cache

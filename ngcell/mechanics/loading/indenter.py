@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from math import ceil, pi, radians, sqrt, tan
+from itertools import pairwise
+from math import asin, ceil, pi, radians, sqrt, tan
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -135,12 +136,17 @@ class Indenter(Section):
 
     def _outline(self, bodies: BodyMesh) -> Array:
         """Return the nodes of its outline, anticlockwise about its lowest point (0, 0) [length], shape (nodes, 2)."""
-        size = bodies.length / _EDGES
+        size, deepest = bodies.length / _EDGES, self.depth + 2 * bodies.length
+        farthest = 2 * float(np.diff(bodies.extent[:, 0]).item())  # wider ones are cut where they touch nothing
         if self.radius is not None:
             size = min(size, sqrt(8 * self.radius * _SAGITTA * bodies.thickness))
+            if self.radius > farthest:
+                return _segment(self.radius, min(farthest / self.radius, 0.9), size, bodies.length)
             angle = 2 * pi * np.arange(count := max(8, ceil(2 * pi * self.radius / size))) / count
             return self.radius * np.column_stack([np.sin(angle), 1 - np.cos(angle)])
-        half = (self.width or 0) / 2
+        half = min((self.width or 0) / 2, farthest)
+        if half * self._slope > deepest:
+            half = deepest / self._slope
         foot = half * self._slope
         head = foot + self.depth + bodies.length
         tip = [(0.0, 0.0)] if self.shape == "wedge" else []
@@ -168,10 +174,25 @@ class IndenterMotion(PrescribedMotion):
         self._final[:, rigid] = translation[:, None] * space.one[rigid]
 
 
+def _segment(radius: float, share: float, size: float, above: float) -> Array:
+    """Return the nodes of the lower part of a disc, up to this share of its radius on either side, and of a block on
+    it, so far above its ends [length]."""
+    half = asin(share)
+    angle = np.linspace(-half, half, 1 + ceil(2 * half * radius / size))
+    arc = radius * np.column_stack([np.sin(angle), 2 * np.sin(angle / 2) ** 2])
+    ends = np.array([arc[-1], arc[-1] + [0.0, above], arc[0] + [0.0, above], arc[0]])
+    around = [_line(start, end, size) for start, end in pairwise(ends)]
+    return np.concatenate([arc[:-1], *around])
+
+
 def _divided(corners: Array, size: float) -> Array:
     """Return the nodes of a closed line with these corners, at most so far from each other [length]."""
-    nodes = []
-    for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
-        count = ceil(float(np.linalg.norm(end - start)) / size)
-        nodes.append(start + (end - start) * (np.arange(count) / count)[:, None])
-    return np.concatenate(nodes)
+    return np.concatenate(
+        [_line(start, end, size) for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True)]
+    )
+
+
+def _line(start: Array, end: Array, size: float) -> Array:
+    """Return the nodes from one point to another, which is left out, at most so far from each other [length]."""
+    count = ceil(float(np.linalg.norm(end - start)) / size)
+    return np.asarray(start + (end - start) * (np.arange(count) / count)[:, None])

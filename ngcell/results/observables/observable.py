@@ -13,6 +13,9 @@ from ngcell.results.quantities import View
 
 Array = NDArray[np.float64]
 
+#: How names begin that files of results have for what they tell of themselves.
+_OWN = "ngcell_"
+
 
 @runtime_checkable
 class Observable(Protocol):
@@ -37,14 +40,36 @@ def check_names(observables: Sequence[Observable], taken: Collection[str]) -> No
     """
     seen = set(taken)
     for observable in observables:
-        if observable.name in seen:
-            what = "a column" if observable.name in taken else "another observable"
-            raise CaseError(f"observable {observable.name!r}: {what} has this name; allowed: a name of its own")
-        seen.add(observable.name)
+        name = getattr(observable, "name", None)
+        if not isinstance(name, str) or not name or name.startswith(_OWN):
+            allowed = f"a text that does not begin with {_OWN}"
+            raise CaseError(f"observable {observable!r} has the name {name!r}; allowed: {allowed}")
+        if name in seen:
+            what = "a column or a field" if name in taken else "another observable"
+            raise CaseError(f"observable {name!r}: {what} has this name; allowed: a name of its own")
+        seen.add(name)
 
 
 def observed(observables: Sequence[Observable], view: View) -> tuple[dict[str, float], Mapping[str, Array]]:
-    """Return the columns and the fields of all observables."""
-    values = {observable.name: np.asarray(observable.values(view), dtype=float) for observable in observables}
+    """Return the columns and the fields of all observables.
+
+    Raises
+    ------
+    CaseError
+        If an observable returns something else than a number, or one value a body.
+    """
+    bodies = view.problem.space.body_count
+    values = {observable.name: _checked(observable.name, observable.values(view), bodies) for observable in observables}
     columns = {name: float(value.mean()) for name, value in values.items()}
     return columns, {name: value for name, value in values.items() if value.ndim}
+
+
+def _checked(name: str, values: object, bodies: int) -> Array:
+    try:
+        found = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        found = np.zeros(0)
+    if values is None or found.shape not in ((), (bodies,)):
+        told = f"shape {np.shape(values)}" if isinstance(values, np.ndarray) else f"{values!r:.60}"
+        raise CaseError(f"observable {name!r} returned {told}; allowed: a number, or one a body, shape ({bodies},)")
+    return found
