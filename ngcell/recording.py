@@ -173,14 +173,21 @@ class Recording:
                 outcome = Outcome.OUT_OF_TIME
                 message = f"beyond load factor {reached(steps):.6g}: {outcome.value}{_on_the_way(simulation)}"
             self._judge(steps, outcome)
+            undrawn: Exception | None = None
             with clock.phase("pictures"):
-                folder.draw(title=self._case.title, certified=self.certified, onset=onset_of_growth(simulation, steps))
+                try:
+                    onset = onset_of_growth(simulation, steps)
+                    folder.draw(title=self._case.title, certified=self.certified, onset=onset)
+                except Exception as error:  # noqa: BLE001 - the run has ended, and its summary comes first
+                    undrawn = error
             self.summary = run_summary(self._case.title, simulation, steps, self.outcome, self.certified)
             self.summary |= verified
             self.summary["versions"] = _versions()
             self.summary["seconds"] = _seconds(clock, perf_counter() - started, process_time() - before)
             if outcome is not Outcome.OUT_OF_TIME:  # such a run is stopped, and can be resumed
                 folder.finish(self.summary)
+            if undrawn is not None:
+                raise undrawn
             if outcome is not None:
                 raise NotConverged(message, outcome=outcome.name, steps=tuple(steps))
 

@@ -28,6 +28,7 @@ from ngcell.problem.problem import Problem
 from ngcell.results.fields import FIELDS
 from ngcell.results.observables.observable import Observable, check_names
 from ngcell.results.record import StepRecord
+from ngcell.results.rupture.strength import COLUMNS
 from ngcell.scene import AnyCase, BodyScene
 from ngcell.solve.step import Accepted, within_budget
 from ngcell.solve.strategies.load_stepping import LoadStepping
@@ -89,7 +90,7 @@ class Simulation(Problems):
         self.refinement: Refinement[Simulation] = Refinement(self, stages, build, scene.accuracy)
         self._strategy = strategy
         watched = (*self._case.observables, *observables)
-        check_names(watched, {column.name for column in fields(StepRecord)} | FIELDS)
+        check_names(watched, {*(column.name for column in fields(StepRecord)), *FIELDS, *COLUMNS})
         self._observer = Observer(
             self.setup,
             self.bodies,

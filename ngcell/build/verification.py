@@ -85,7 +85,8 @@ def stiffer_result(
     """
     contact = case.contact.model_copy(update={"stiffness": STIFFER * raised * case.contact.stiffness})
     stiffer = _with(case, contact=contact)
-    *_, step = additions.simulation(_at_last_level(stiffer), Clock(end)).accepted_steps()
+    scene = stiffer if _remembers(case, additions) else _at_last_level(stiffer)
+    *_, step = additions.simulation(scene, Clock(end)).accepted_steps()
     table = {name: _compared(getattr(last.record, name), getattr(step.record, name), "stiffer") for name in _COMPARED}
     table["penetration_over_wall"] = _compared(_overlap(last), _overlap(step.report), "stiffer")
     return {"stiffness_factor": STIFFER, **table}

@@ -114,6 +114,8 @@ def solve(
             "--members takes neither --resume DIR, which knows its members, nor --verify-penalty or --verify-mesh"
         )
     scene, folder, accepted = _task(case, overrides, out, resume, suffix="" if members is None else "-members")
+    if members is None and holds_members(folder, resume) and (verify_penalty or verify_mesh):
+        raise click.UsageError(f"{folder} holds members: they take neither --verify-penalty nor --verify-mesh")
     if members is not None or holds_members(folder, resume):
         given = {"count": members, "seed": seed or 0, "spread": spread}
         options = {"threads": threads, "force": force, "max_minutes": max_minutes}

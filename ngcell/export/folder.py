@@ -23,6 +23,7 @@ from ngcell.errors import OutputError
 from ngcell.export.atomic import output_errors, replace_file
 from ngcell.export.curves import draw_curves
 from ngcell.export.debonding import PairOnset, draw_debonding, read_last_ends, read_last_pairs
+from ngcell.export.outline import is_drawn_from_above
 from ngcell.export.ownership import CASE_FILE, PROGRAM, claim_folder, clear_folder, held_already, holds_result
 from ngcell.export.picture import draw_tissue
 from ngcell.export.restart import RESTART, Restart, cannot_resume, read_restart, write_restart
@@ -234,11 +235,11 @@ class ResultFolder:
             return
         if self._last is None and self._series.snapshots:
             self._last, _ = read_last_snapshot(self.path)
-        if self._last is not None:
+        if self._last is not None and is_drawn_from_above(self._last.bulk):
             draw_tissue(self._last, self.path / "tissue.png", title=title, certified=certified)
         if self._history:
             draw_curves(self._history, self.path / "gap.png", certified=certified, onset=onset)
-        if self._pairs and self._last is not None:
+        if self._pairs and self._last is not None and is_drawn_from_above(self._last.bulk):
             drawn = self._history, self._pairs, self._last.bulk, self.path / "debonding.png"
             draw_debonding(*drawn, certified=certified, ends=self._ends)
 
@@ -268,11 +269,11 @@ class ResultFolder:
                     onset=summary.get("onset"),
                 )
             write_summary(self.path, {"program": PROGRAM, "status": "finished", **summary})
+            self._finished = True
             with output_errors(self.path):
                 (self.path / RESTART).unlink(missing_ok=True)
         except OutputError as error:
             raise OutputError(f"{error}; {self._kept()}") from error
-        self._finished = True
 
     def _note(self, status: str, **more: Any) -> None:
         last = self._history[-1] if self._history else None

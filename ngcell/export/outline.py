@@ -58,6 +58,11 @@ def planar_view(grid: Grid) -> Grid:
     return Grid(grid.points, grid.cells[seen][:, _UPPER_END], 28, grid.point_data, cell_data)
 
 
+def is_drawn_from_above(grid: Grid) -> bool:
+    """Return whether a grid is planar, or of prisms; other solids are shown by `ngcell view`."""
+    return planar_view(grid).cell_type in SHAPES
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Loop:
     """A closed line of points around a tissue cell (outer) or around one of its holes."""

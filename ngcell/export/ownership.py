@@ -21,7 +21,7 @@ CASE_FILE = "case.toml"
 _DRAFT = re.compile(r"\..+\.tmp")
 _WRITTEN = re.compile(
     r"case\.toml|(history|walls|cells|members|spread)\.csv|restart\.npz|tissue\.pvd|(tissue|walls)_\d{4,}\.vtu|"
-    r"(tissue|gap|debonding|spread)\.png|report\.html|\..+\.tmp"
+    r"(tissue|gap|debonding|spread)\.png|report\.html|sweep\.(csv|parquet)|\..+\.tmp"
 )
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ngcell.export.cell_size import DPI
 from ngcell.export.curves import load_axis
-from ngcell.export.picture import INK, save_png, style_axes
+from ngcell.export.picture import INK, mark_uncertified, save_png, style_axes
 from ngcell.results.spread import Member, Spread, numbers_of
 
 if TYPE_CHECKING:
@@ -49,8 +49,12 @@ def draw_spread(members: Sequence[Member], spreads: Sequence[Spread], path: Path
             _draw_member(axes, member, places, name, colour)
         _draw_band(axes, [row for row in spreads if row.number == name], places, colour)
         axes.set_ylabel(name.replace("_", " "), fontsize=11.5, color=INK)
-    counted = f"{len(members)} members: mean, one standard deviation, and each of them"
+    certified = sum(all(record and record.certified for record in one.levels) for one in members)
+    told = f"{len(members)} members" if certified == len(members) else f"{len(members)} members, {certified} certified"
+    counted = f"{told}: mean, one standard deviation, and each of them"
     panels[0].set_title(counted, fontsize=11, color=INK, loc="left", pad=14)
+    if not certified:
+        mark_uncertified(figure)
     return save_png(figure, path)
 
 

@@ -34,17 +34,18 @@ def without_short_sides(outlines: Outlines, wall: Array | float, shortest: float
     -----
     Ends of a side on the hull stay on it: the corner goes where more outer walls with different directions meet, and
     midway between ends that are alike.
-    Where a cell would have less than three sides left, its wall is too thick for it: it keeps its sides, and
-    `ngcell.geometry.lumens.check_lumens` says so.
+    Where a cell would have less than three sides left, its wall is too thick for it: it keeps its sides.
+    `ngcell.geometry.lumens.check_lumens` says so if they leave no lumen.
     """
-    gone = 0
-    while shortest > 0 and len(short := _short_sides(outlines, wall, shortest)):
+    gone, kept_whole = 0, np.zeros(outlines.cell_count, dtype=bool)
+    while shortest > 0 and len(short := _short_sides(outlines, wall, shortest, kept_whole)):
         node = _nodes(outlines)
         rank = _ranks(outlines, node)
         places = np.zeros((node.max() + 1, 2))
         places[node] = outlines.corners
         goal = np.arange(len(places))
         taken = np.zeros(len(places), dtype=bool)
+        before = gone
         for one, two in zip(node[short].tolist(), node[outlines.ahead[short]].tolist(), strict=True):
             if taken[one] or taken[two]:
                 continue
@@ -53,19 +54,33 @@ def without_short_sides(outlines: Outlines, wall: Array | float, shortest: float
                 places[kept] = (places[one] + places[two]) / 2
             goal[other], taken[[one, two]] = kept, True
             gone += 1
+        failing = _with_too_few_sides(outlines, goal[node])
+        if failing.any():
+            gone, kept_whole = before, kept_whole | failing
+            continue
         try:
             outlines = outlines_through(places, goal[node], outlines.counts)
-        except GeometryError:
-            return outlines, 0
+        except GeometryError:  # two cells would come to lie on one side of a wall
+            return outlines, before
     return outlines, gone
 
 
-def _short_sides(outlines: Outlines, wall: Array | float, shortest: float) -> Index:
-    """Return the sides whose lumens have too short a side, the shortest first."""
+def _with_too_few_sides(outlines: Outlines, node: Index) -> NDArray[np.bool_]:
+    """Return the cells that would have less than three sides through these places, shape (cells,)."""
+    is_side = node != node[outlines.ahead]
+    return np.bincount(outlines.cell[is_side], minlength=outlines.cell_count) < 3
+
+
+def _short_sides(
+    outlines: Outlines, wall: Array | float, shortest: float, kept_whole: NDArray[np.bool_]
+) -> Index:
+    """Return the sides whose lumens have too short a side, the shortest first, but for those of cells that are kept."""
     with np.errstate(divide="ignore", invalid="ignore"):
         lumen = outlines.moved_inwards(wall)
         along = ((lumen[outlines.ahead] - lumen) * outlines.directions).sum(1)
-    short = np.flatnonzero(~(along >= shortest * outlines.of_cells(wall)[outlines.cell]))
+    is_kept = kept_whole[outlines.cell]
+    is_kept |= (outlines.twins >= 0) & is_kept[outlines.twins]
+    short = np.flatnonzero(~(along >= shortest * outlines.of_cells(wall)[outlines.cell]) & ~is_kept)
     return np.asarray(short[np.argsort(outlines.lengths[short], kind="stable")])
 
 

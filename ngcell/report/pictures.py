@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from ngcell.report.run_folder import RunFolder
-from ngcell.report.sources import Rows, Source
+from ngcell.report.sources import Rows, Source, run_is_certified
 
 #: Pictures that a run may leave: heading, and the text that stands for each where it is not seen.
 _KNOWN = {
@@ -50,7 +50,7 @@ def pictures_of_cases(source: Source, last: Rows, axes: Sequence[str]) -> Iterat
         file = source.path / _OF_CASE.format(int(row["case"])) if row.get("case", "").isdigit() else None
         if file is None or not file.is_file():
             continue
-        data, certified = data_of(file.read_bytes()), row.get("certified") == "True"
+        data, certified = data_of(file.read_bytes()), run_is_certified(row)
         left -= len(data)
         if left < 0:
             return

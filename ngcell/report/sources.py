@@ -18,6 +18,10 @@ Rows = Sequence[Mapping[str, str]]
 SWEEP_TABLE = "sweep.csv"
 
 
+#: Outcomes of a run in the table of a sweep: certified at all of its levels, and so but for an expected number.
+_CERTIFIED, _NOT_AS_EXPECTED = "certified", "not-as-expected"
+
+
 @dataclass(eq=False)
 class Source:
     """A folder that is reported.
@@ -87,8 +91,19 @@ def _sweep(path: Path) -> Source:
         source.title = str(source.summary.get("title") or source.title)
     source.rows = _table(path / SWEEP_TABLE, source.unread)
     ended = source.summary.get("status", "finished") == "finished"
-    source.certified = ended and bool(source.rows) and all(row.get("certified") == "True" for row in source.rows)
+    said = bool(source.summary.get("certified", True))  # a sweep that has not ended has not said it
+    source.certified = ended and said and bool(source.rows) and all(map(run_is_certified, source.rows))
     return source
+
+
+def level_is_certified(row: Mapping[str, str]) -> bool:
+    """Return whether the level of a row of a sweep's table is certified, and as its case expects."""
+    return row.get("certified") == "True" and row.get("outcome") != _NOT_AS_EXPECTED
+
+
+def run_is_certified(row: Mapping[str, str]) -> bool:
+    """Return whether the level of a row is certified, and all others of its run."""
+    return row.get("certified") == "True" and row.get("outcome", _CERTIFIED) == _CERTIFIED
 
 
 def _add_run(source: Source, folder: Path) -> None:

@@ -12,7 +12,7 @@ from ngcell.report.charts import Figure, draw_errors, draw_points, svg_of
 from ngcell.report.overall import Part
 from ngcell.report.pictures import pictures_of_cases
 from ngcell.report.rows import Row, Table, columns_of, value_of
-from ngcell.report.sources import SWEEP_TABLE, Rows, Source
+from ngcell.report.sources import SWEEP_TABLE, Rows, Source, level_is_certified, run_is_certified
 from ngcell.report.view import Verdict, asked
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ def _said(source: Source, last: Rows) -> Iterator[str]:
         + ", ".join(f"{count} {outcome}" for outcome, count in counted.most_common())
         + "."
     )
-    failed = sum(row.get("certified") != "True" for row in source.rows)
+    failed = sum(not level_is_certified(row) for row in source.rows)
     if failed:
         yield f"{failed} of {len(source.rows)} rows of the table are not certified."
 
@@ -101,7 +101,7 @@ def _table(rows: Rows, last: Rows, names: Sequence[str], key: str) -> Table:
     if len(rows) > _MOST_ROWS:
         rows = last[:_MOST_ROWS]
         note = f"The last level of {len(rows)} cases, to keep this page small; {SWEEP_TABLE} holds all."
-    cells = [Row([value_of(row.get(name)) for name in names], refused=row.get("certified") != "True") for row in rows]
+    cells = [Row([value_of(row.get(name)) for name in names], refused=not level_is_certified(row)) for row in rows]
     words = {name for place, name in enumerate(names) if any(row.cells[place].kind == "text" for row in cells)}
     return Table(f"{key}-table", "Runs and levels", columns_of(names, words), cells, note=note)
 
@@ -147,7 +147,7 @@ def _figure(points: Rows, axis: str, name: str, others: Sequence[str], key: str)
                 axes,
                 places,
                 values,
-                [row.get("certified") != "True" for row in rows],
+                [not run_is_certified(row) for row in rows],
                 label=label,
                 number=number,
                 joined=named,
@@ -156,7 +156,7 @@ def _figure(points: Rows, axis: str, name: str, others: Sequence[str], key: str)
         if named and others:
             axes.legend(frameon=False, fontsize=8)
 
-    refused = any(row.get("certified") != "True" for row in points)
+    refused = any(not run_is_certified(row) for row in points)
     values = [float(row[name]) for row in points]
     described = f"{len(points)} runs, {min(values):.3g} to {max(values):.3g}"
     return Figure(title, svg_of(draw, label=f"{key} {title}", refused=refused), described)

@@ -23,7 +23,6 @@ from ngcell.results.verdict import (
     error_remark,
     headline,
     how_estimated,
-    is_finished,
     last_load,
     last_numbers,
     with_error,
@@ -98,7 +97,7 @@ def view_of(run: RunFolder, key: str, budget: int) -> RunView:
     """
     player = player_of(run.snapshots(), budget)
     player.data |= {"certified": run.certified} if player.data else {}
-    refused = [row.step for row in run.history if not row.certified] if is_finished(run.summary) else []
+    refused = [row.step for row in run.history if not row.certified]
     released = released_steps(run.history)
     table = case_table(run.case_text)
     return RunView(
@@ -133,6 +132,10 @@ def _errors_known(history: Iterable[StepRecord]) -> bool:
     return any(isfinite(row.energy_error) for row in history)
 
 
+#: What was asked to be verified, and how.
+_VERIFIED = {"stiffer_penalty": "by a stiffer penalty", "finer_mesh": "on a finer mesh"}
+
+
 def verdict_of(summary: Mapping[str, Any]) -> Verdict:
     """Return the verdict of a run in words."""
     said = headline(summary).partition(": ")[2] or headline(summary)
@@ -142,6 +145,9 @@ def verdict_of(summary: Mapping[str, Any]) -> Verdict:
         lines.append(remark[:1].upper() + remark[1:] + ".")
     elif summary.get("accuracy"):
         lines.append(f"Asked for a relative error of at most {summary['accuracy']:g}.")
+    for key, by in _VERIFIED.items():
+        if failed := (summary.get(key) or {}).get("failed"):
+            lines.append(f"Not verified {by}: {failed}.")
     return Verdict(bool(summary.get("certified")), lines, checks_not_passed(summary))
 
 

@@ -94,7 +94,8 @@ def scales_of(space: DisplacementSpace, modulus: float, stored: float) -> Scales
     """Return what counts as nothing: force and energy of a wall of the softest shear modulus that is hardly strained.
     """
     volume, thickness = float(space.one @ space.scalar_mass @ space.one), space.bodies.thickness
-    return Scales(_SMALL_STRAIN * modulus * thickness, _SMALL_STRAIN**2 * modulus * volume, thickness, stored)
+    force = _SMALL_STRAIN * modulus * thickness ** (space.dimension - 1)
+    return Scales(force, _SMALL_STRAIN**2 * modulus * volume, thickness, stored)
 
 
 def certify(

@@ -24,8 +24,8 @@ from ngcell.results.snapshot import Grid
 
 Array = NDArray[np.float64]
 
-#: Names of the fields that every snapshot has.
-FIELDS = frozenset({"displacement", "J", "cauchy_stress", "von_mises", "cell_id"})
+#: Names of the fields that snapshots have.
+FIELDS = frozenset({"displacement", "J", "cauchy_stress", "von_mises", "cell_id", "free", "rigid", "cell_pressure"})
 Index = NDArray[np.int64]
 
 

@@ -37,13 +37,15 @@ def _is_axis(name: str, table: Mapping[str, Any]) -> bool:
 
 
 def _check_tables(axes: Mapping[str, Any], owner: Mapping[str, str]) -> None:
-    """Refuse an axis of tables that say what another axis, or `set`, says as well."""
+    """Refuse an axis of tables, or of lists, that say what another axis, or `set`, says as well."""
+    paths = {key: key_path(key) or () for key in owner}
     for name, axis in axes.items():
         for number, trunk in enumerate(axis.keys(name)):
-            inner = {key: key[len(trunk) + 1 :] for key in owner if key.startswith(f"{trunk}.")}
-            tables = [flattened(point[number]) for point in axis.points()] if inner else []
+            start = paths[trunk]
+            inner = {key: path[len(start) :] for key, path in paths.items() if path[: len(start)] == start != path}
+            points = [flattened(point[number]) for point in axis.points()] if inner else []
             for key, rest in inner.items():
-                if any(isinstance(table, Mapping) and _says(table, rest) for table in tables):
+                if any(not isinstance(table, Mapping) or _says(table, ".".join(map(str, rest))) for table in points):
                     said = {"key": key, "other": owner[key]}
                     refuse("{key} is in {other} as well; allowed: one of the two", name, **said)
 
@@ -97,8 +99,8 @@ class Study(Section):
             for key in axis.keys(name):
                 if key_path(key) is None:
                     refuse("{key} is no key; allowed: a dotted {what}", name, key=repr(key), what=_TRUNK)
-                if key in owner:
-                    said = {"key": key, "other": owner[key]}
+                if (same := next((other for other in owner if key_path(other) == key_path(key)), None)) is not None:
+                    said = {"key": key, "other": owner[same]}
                     refuse("{key} is in {other} already; allowed: one axis a key, or set", name, **said)
                 owner[key] = name
         _check_tables(axes, owner)

@@ -10,10 +10,15 @@ from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any
 
+import numpy as np
 import tomli_w
+from numpy.typing import NDArray
 from pydantic import BaseModel
 
 from ngcell.scene.bodies import BodyScene
+
+#: Digit to which the place of a shape is written, as a share of its size.
+_DIGIT = 1e-6
 
 #: The first line of what is written; what begins with it is no case file.
 FROM_PYTHON = "# From Python: shapes, functions and objects of a script are told here, and cannot be read back.\n"
@@ -53,12 +58,18 @@ def _plain(value: Any) -> Any:
 
 def _shape(shape: Any) -> dict[str, Any]:
     """Return what a shape of OpenCASCADE is like: area or volume, where it is, and the names of its boundaries."""
-    low, high = (list(corner) for corner in shape.bounding_box)
+    low, high = (np.array([*corner], dtype=float) for corner in shape.bounding_box)
+    digit = _DIGIT * float(np.abs(high - low).max())  # meshing a shape changes the last digits of its box
     sides = shape.faces if len(shape.solids) else shape.edges
     return {
         "not_written": type(shape).__qualname__,
-        "measure": float(shape.mass),
-        "low": low,
-        "high": high,
+        "measure": float(f"{float(shape.mass):.6g}"),
+        "low": _rounded(low, digit),
+        "high": _rounded(high, digit),
         "sides": [side.name or "" for side in sides],
     }
+
+
+def _rounded(place: NDArray[np.float64], digit: float) -> list[float]:
+    """Return a place in whole multiples of a digit [length]; none is -0."""
+    return [float(f"{value:.9g}") + 0.0 for value in digit * np.round(place / digit)] if digit else place.tolist()

@@ -90,7 +90,9 @@ def _ended(task: Task, folder: Path) -> Result:
         with suppress(NotConverged):
             history.extend(recording)
         found = _result(_ending(recording.outcome), recording.outcome, case, history, recording.summary)
-        picture = picture_of(folder / "run", certified=recording.certified) if task.picture else None
+        picture = None
+        with suppress(Exception):  # a run that has ended is worth more than its picture
+            picture = picture_of(folder / "run", certified=recording.certified) if task.picture else None
         return found if picture is None else {**found, "picture": picture}
     except Exception as error:  # noqa: BLE001 - one run that fails must not end the others
         told = str(error) if isinstance(error, NgcellError) else f"{type(error).__name__}: {error}"

@@ -6,6 +6,7 @@ from collections.abc import Container
 from difflib import get_close_matches
 
 from ngcell.errors import CaseError
+from ngcell.results.rupture.strength import COLUMNS
 from ngcell.scene import AnyCase
 from ngcell.scene.study_reader import WrittenStudy
 from ngcell.sweeps.cases import Cases
@@ -38,5 +39,8 @@ def outputs_of(written: WrittenStudy, cases: Cases, refused: Container[int]) -> 
 
 
 def _observed(case: AnyCase) -> list[str]:
-    """Return the columns that the observables of a case add."""
-    return [observable.name for observable in case.observables]
+    """Return the columns that the observables of a case, and the strength of its walls, add."""
+    laws = [getattr(case, "material", None), *(body.material for body in getattr(case, "bodies", ()))]
+    limits = [getattr(law, name, None) for law in laws for name in ("strength", "stretch_limit")]
+    utilisation = COLUMNS if any(limit is not None for limit in limits) else ()
+    return [*(observable.name for observable in case.observables), *utilisation]

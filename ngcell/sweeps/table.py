@@ -11,9 +11,11 @@ import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from itertools import islice
+from math import isfinite
 from pathlib import Path
 from typing import Any, get_type_hints
 
+from ngcell.errors import CaseError
 from ngcell.export.atomic import output_errors
 from ngcell.results.record import StepRecord
 from ngcell.sweeps.ending import Ending
@@ -35,6 +37,8 @@ _AFTER = {
 #: Columns that tell how a run was made: they differ between two runs of one case.
 PROVENANCE = ("attempts", "seconds", "processor_seconds", "memory_gib", "host")
 _PART = 1000
+#: Whole numbers of a column are below this.
+_MOST = 2**63
 
 Row = dict[str, Any]
 
@@ -54,6 +58,11 @@ class Table:
         Name of each axis, and the values of its keys.
     outputs : sequence of str
         Columns of `history.csv`.
+
+    Raises
+    ------
+    CaseError
+        An axis has the name of a column.
     """
 
     def __init__(self, axes: Sequence[Mapping[str, Any]], outputs: Sequence[str]) -> None:
@@ -61,6 +70,9 @@ class Table:
         varied = {key: _type_of(values) for axis in axes for key, values in axis["values"].items()}
         chosen = {name: known.get(name, float) for name in outputs}
         self.columns: dict[str, type] = {**_BEFORE, **varied, **_LEVEL, **chosen, **_AFTER}
+        for name in (axis["name"] for axis in axes):
+            if name in self.columns and name not in varied:
+                raise CaseError(f"axes.{name}: the table has a column of this name; allowed: another name")
         self._varied, self._outputs = varied, chosen
 
     def rows(self, number: int, values: Mapping[str, Any], result: Result) -> Iterator[Row]:
@@ -104,7 +116,13 @@ class Table:
                 os.replace(draft, folder / name)
 
     def _typed(self, row: Row) -> Row:
-        return {name: None if row[name] is None else kind(row[name]) for name, kind in self.columns.items()}
+        return {name: _of_kind(row[name], kind) for name, kind in self.columns.items()}
+
+
+def _of_kind(value: Any, kind: type) -> Any:
+    """Return a value as one of a kind; None where there is none, or where nothing of that kind stands for it."""
+    is_nan = kind is int and isinstance(value, float) and not isfinite(value)
+    return None if value is None or is_nan else kind(value)
 
 
 def refused(why: str) -> Result:
@@ -138,6 +156,8 @@ def _parts(rows: Iterable[Row]) -> Iterator[list[Row]]:
 def _type_of(values: Sequence[Any]) -> type:
     """Return the type of a column: that of all values, else their text."""
     kinds = {type(value) for value in values}
+    if kinds == {int} and not all(-_MOST <= value < _MOST for value in values):
+        return str
     if kinds in ({int}, {bool}, {float}):
         return next(iter(kinds))
     return float if kinds == {int, float} else str

@@ -26,6 +26,7 @@ _ONE_THREAD = {
 }
 #: A run that its own clock does not end is ended after this multiple of its time, and some seconds [s].
 _PATIENCE, _GRACE = 2.0, 60.0
+_TOO_LONG = "the process of the run did not end in time, and was killed"
 
 
 def run_task(task: Task) -> Result:
@@ -37,12 +38,15 @@ def run_task(task: Task) -> Result:
         if file.exists():
             found: Result = json.loads(file.read_text(encoding="utf-8"))
             return {**found, "seconds": perf_counter() - started}
+        if code is None:
+            return died(task, Ending.OUT_OF_TIME, _TOO_LONG, perf_counter() - started)
         ending, detail = _how_it_died(code, _last_line(Path(folder) / "errors"))
         return died(task, ending, detail, perf_counter() - started)
 
 
-def _run(task: Task, folder: str) -> int:
-    """Run a task with its files in a folder, and return the code with which its process ends."""
+def _run(task: Task, folder: str) -> int | None:
+    """Run a task with its files in a folder, and return the code with which its process ends; None if it was ended
+    since it took too long."""
     source = str(SOURCE)
     paths = os.pathsep.join([source, *filter(None, [os.environ.get("PYTHONPATH")])])
     limit = None if task.minutes is None else _PATIENCE * 60 * task.minutes + _GRACE
@@ -60,11 +64,14 @@ def _run(task: Task, folder: str) -> int:
             process.stdin.write(f"{json.dumps(asdict(task))}\n".encode())
             process.stdin.flush()
             return process.wait(limit)
-        except (BrokenPipeError, subprocess.TimeoutExpired):
+        except subprocess.TimeoutExpired:
+            return None
+        except BrokenPipeError:
             process.kill()
             return process.wait()
         finally:
             process.kill()
+            process.wait()
             process.stdin.close()
 
 

@@ -131,3 +131,9 @@ def test_halved_elements_keep_the_nodes_of_those_that_they_halve(part):
     near = np.linalg.norm(coarse[:, None] - fine[None], axis=2).min(axis=1)
     assert near.max() < 1e-12
     assert whole.mesh.ne < halved.mesh.ne < 2 * whole.mesh.ne
+
+
+@pytest.mark.parametrize("entries", [{"spread": 0.4, "corner_radius": 0.7}, {"wall_spread": 0.8, "corner_radius": 0.5}])
+def test_round_corners_that_do_not_fit_displaced_cells_are_refused(entries):
+    with pytest.raises(CaseError, match="round corners of cell .*allowed: 0 <= corner_radius"):
+        Perturbed(rows=4, cols=4, side=1.0, wall=0.12, **({"spread": 0.1} | entries))

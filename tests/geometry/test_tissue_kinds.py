@@ -155,3 +155,10 @@ def test_a_copy_with_another_seed_is_another_tissue(tissue):
     np.testing.assert_array_equal(other.outlines.corners, fresh.outlines.corners)
     assert not np.array_equal(before.corners, fresh.outlines.corners)
     assert tissue.model_copy().outlines is before
+
+
+def test_sides_that_are_gone_are_counted_where_one_cell_has_to_keep_its_own():
+    tissue = Voronoi(cells=12, extent=(6.0, 4.0), wall=0.12, seed=7, relaxation=0)
+    drawn, (outlines, gone) = tissue.drawn(), tissue.plan
+    corners = [len(np.unique(each.corners.round(9), axis=0)) for each in (drawn, outlines)]
+    assert gone > 0 and corners[0] - corners[1] == gone

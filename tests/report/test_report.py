@@ -22,6 +22,7 @@ from ngcell.report import write_report
 from ngcell.report.charts import figures_of
 from ngcell.report.player import player_of
 from ngcell.report.rows import levels_table
+from ngcell.report.sources import read_source
 from tests.report.results import record, snapshot, write_run
 
 
@@ -283,3 +284,18 @@ def test_a_page_cannot_be_written_is_one_line(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match="cannot write"):
         write_report([folder], tmp_path / "no-folder" / "page.html")
     shutil.rmtree(folder)
+
+
+@pytest.mark.parametrize("outcome", ["certified", "not-as-expected", "not-certified"])
+def test_a_sweep_is_certified_if_its_runs_are(tmp_path: Path, outcome: str) -> None:
+    """Each level of a run may be certified that is not: another step failed, or a number is not as expected."""
+    rows = ["case,tissue.wall,level,load_factor,energy,certified,outcome"]
+    rows += [f"{n},0.{n + 1},0,1.0,0.{n + 2},True,{outcome if n == 1 else 'certified'}" for n in range(3)]
+    (tmp_path / "sweep.csv").write_text("\n".join(rows) + "\n")
+    is_certified = outcome == "certified"
+    about = {"program": "ngcell", "status": "finished", "title": "Walls", "sweep": {"cases": 3}}
+    write_summary(tmp_path, about | {"certified": is_certified, "study": {"case": "shear-empty"}})
+    assert read_source(tmp_path).certified == is_certified
+    page = read(write_report([tmp_path]).file)
+    assert ("NOT CERTIFIED" in page.words) != is_certified
+    assert page.text.count('class="refused"') == (outcome == "not-as-expected")

@@ -14,9 +14,9 @@ from ngcell.build.reported import Step
 from ngcell.build.simulation import Simulation
 from ngcell.errors import CaseError
 from ngcell.results.certificate import HELD, common_check
-from ngcell.results.checks import Path, _plate_balance
+from ngcell.results.checks import Path, _plate_balance, scales_of
 from ngcell.results.measure import Measurement, WorkPoint, measure
-from ngcell.scene import Body, BodyScene, BodySupport, Case, MooneyRivlin
+from ngcell.scene import Body, BodyScene, BodySupport, Case, MooneyRivlin, read_case
 
 SOFT = {"kind": "mooney-rivlin", "c1": 1.0, "c2": 1.0, "bulk_modulus": 100.0}
 
@@ -177,3 +177,12 @@ def test_plates_are_balanced_beside_the_force_from_one_to_the_other(cells, large
     loaded = np.zeros_like(held)
     loaded[0, 0] = 0.1
     assert _plate_balance(held, loaded, largest) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e-6])
+def test_what_counts_as_nothing_of_prisms_is_the_same_in_any_unit(unit):
+    lattice = ["tissue.rows=1", "tissue.cols=1", f"tissue.side={unit}", f"tissue.wall={0.2 * unit}"]
+    prism = Simulation(read_case("shear-empty-3d", [*lattice, f"tissue.height={unit}", "expected=[]"]))
+    one = scales_of(prism.space, 2.0, 0.0)
+    assert one.force / unit**2 == pytest.approx(1e-4 * 2.0 * 0.2**2, rel=1e-9)
+    assert one.thickness == pytest.approx(0.2 * unit, rel=1e-9)

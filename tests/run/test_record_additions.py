@@ -63,7 +63,13 @@ def test_a_recorded_run_is_resumed_with_the_same_additions_and_with_no_others(tm
     assert_same_numbers(rows(out / "history.csv"), rows(whole / "history.csv"))
 
 
-@pytest.mark.parametrize(("names", "words"), [(("energy",), "a column or a field has"), (("J",), "a column or a field has"), (("mine", "mine"), "another observable has")])
+_TAKEN = "a column or a field has"
+
+
+@pytest.mark.parametrize(
+    ("names", "words"),
+    [(("energy",), _TAKEN), (("J",), _TAKEN), (("free",), _TAKEN), (("mine", "mine"), "another observable has")],
+)
 def test_observables_have_names_of_their_own_before_anything_is_solved(names, words) -> None:
     observables = [SimpleNamespace(name=name, values=lambda view: 1.0) for name in names]
     with pytest.raises(CaseError, match=f"observable '{names[-1]}': {words} this name"):
@@ -79,7 +85,7 @@ def test_what_is_no_name_of_an_observable_is_told(name) -> None:
 @pytest.mark.parametrize("values", [None, "much", [1.0, 2.0], np.zeros((4, 2)), np.zeros(0)])
 def test_what_an_observable_returns_is_a_number_or_one_a_body(values) -> None:
     view = SimpleNamespace(problem=SimpleNamespace(space=SimpleNamespace(body_count=4)))
-    with pytest.raises(CaseError, match=r"observable 'mine' returned .*; allowed: a number, or one a body, shape \(4,\)"):
+    with pytest.raises(CaseError, match=r"'mine' returned .*; allowed: a number, or one a body, shape \(4,\)"):
         observed([SimpleNamespace(name="mine", values=lambda view: values)], view)
     for good, mean in ((2, 2.0), (np.arange(4), 1.5), ([1, 2, 3, 6], 3.0)):
         assert observed([SimpleNamespace(name="mine", values=lambda view, good=good: good)], view)[0] == {"mine": mean}

@@ -12,6 +12,9 @@ from netgen import occ
 import ngcell
 from ngcell.cli import ngcell as command
 from ngcell.errors import OutputError
+from ngcell.export import folder as folder_module
+from ngcell.export import read_summary
+from ngcell.scene.written_bodies import written_bodies
 from tests.run.test_resume import assert_same_numbers, rows
 
 RUBBER = ngcell.MooneyRivlin(c1=0.8, c2=0.2, bulk_modulus=50.0)
@@ -69,3 +72,39 @@ def test_the_command_line_says_in_one_line_that_the_scene_is_needed(tmp_path: Pa
     stopped.close()
     found = CliRunner().invoke(command, ["solve", "--resume", str(tmp_path / "out")])
     assert found.exit_code and isinstance(found.exception, (OutputError, SystemExit))
+
+
+def test_solids_are_recorded_without_a_picture_from_above(tmp_path):
+    table, block = occ.Box((0, 0, 0), (1, 1, 0.5)), occ.Box((0.2, 0.2, 0.5), (0.7, 0.8, 1))
+    table.faces.Min(occ.Z).name, block.faces.Max(occ.Z).name = "floor", "top"
+    bodies = ngcell.Body(table, RUBBER, "table"), ngcell.Body(block, RUBBER, "block")
+    supports = ngcell.BodySupport("floor"), ngcell.BodySupport("top", translation=(0.0, 0.0, -0.01))
+    contact = ngcell.Penalty(stiffness=10.0)
+    solids = ngcell.BodyScene(bodies, supports, size=0.6, order=1, accuracy=inf, contact=contact)
+    recording = ngcell.record(solids, tmp_path / "out")
+    assert all(step.phase == "released" for step in recording)
+    summary = read_summary(tmp_path / "out")
+    assert summary["status"] == "finished" and summary["certified"] == recording.certified
+    assert (tmp_path / "out" / "gap.png").is_file() and not (tmp_path / "out" / "tissue.png").exists()
+
+
+def test_a_scene_that_has_been_meshed_is_the_same_scene(tmp_path):
+    same = scene()
+    stopped = iter(ngcell.record(same, tmp_path / "out"))
+    next(stopped)
+    stopped.close()
+    rest = list(ngcell.resume(tmp_path / "out", scene=same))
+    assert [step.load_factor for step in rest] == [1.0]
+    assert list(ngcell.record(scene(), tmp_path / "again")) and written_bodies(same) == written_bodies(scene())
+
+
+def test_a_picture_that_fails_leaves_the_verdict(tmp_path, monkeypatch):
+    def fails(*_: object, **__: object) -> None:
+        raise ValueError("no colours")
+
+    monkeypatch.setattr(folder_module, "draw_tissue", fails)
+    recording = ngcell.record(scene(), tmp_path / "out")
+    with pytest.raises(ValueError, match="no colours"):
+        list(recording)
+    summary = read_summary(tmp_path / "out")
+    assert recording.certified and summary["status"] == "finished" and summary["certified"]

@@ -13,6 +13,7 @@ from ngcell import BodyCase, Case, NormalLaw, read_case, record
 from ngcell import recording as recording_module
 from ngcell.build.additions import Additions
 from ngcell.build.simulation import Simulation
+from ngcell.build.verification import stiffer_result
 from ngcell.cli.summary import summary_lines
 from ngcell.clock import Clock
 from ngcell.errors import CaseError, TooLarge
@@ -204,3 +205,20 @@ def test_a_finer_mesh_without_an_equilibrium_costs_the_run_nothing(
     shown = list(summary_lines(recording, tmp_path))
     assert any(line.startswith("mesh         not verified: ") for line in shown)
     assert any(line.endswith("errors not estimated: accuracy = inf") for line in shown)
+
+
+def test_a_stiffer_penalty_is_followed_from_the_first_level_where_bonds_remember(monkeypatch) -> None:
+    followed = []
+
+    def noted(additions: Additions, scene: AnyCase | BodyScene, clock: Clock | None = None) -> Simulation:
+        followed.append(scene.level_factors)
+        return made(additions, scene, clock)
+
+    levels = ["load.levels=[1.0, 0.5]", "load.displacement=[0.05, 0.0]", "tissue.rows=1", "tissue.cols=2"]
+    case = read_case("shear-cohesive", [*levels, "expected=[]", "mesh.order=2", "accuracy=inf"])
+    *_, last = Simulation(case).accepted_steps()
+    made = Additions.simulation
+    monkeypatch.setattr(Additions, "simulation", noted)
+    table = stiffer_result(case, Additions(), last.report)
+    assert followed == [(1.0, 0.5)]
+    assert abs(table["energy"]["change"]) < 0.05

@@ -147,6 +147,14 @@ WRONG = {
         "[axes]\n\"tissue.wall\" = [0.1, 0.2]\ntissue = [{ wall = 0.15 }]",
         (":12: axes.tissue: tissue.wall is in tissue.wall as well",),
     ),
+    "lists that say another axis' key": (
+        "[axes]\nmaterial.angles = [[1.0, 0.0], [2.0, 0.0]]\n\"material.angles.0\" = [0.5, 0.7]",
+        (":11: axes.material.angles: material.angles.0 is in material.angles.0 as well",),
+    ),
+    "one key, spelt twice": (
+        "[axes]\ntissue.wall = [0.1]\n\"tissue. wall\" = [0.2]",
+        (":12: axes.tissue. wall: tissue. wall is in tissue.wall already",),
+    ),
     "set as well": ("[axes]\nmesh.order = [1, 2]", (":11: axes.mesh.order: mesh.order is in set already",)),
     "no such kind": (
         "[axes]\ntissue.wall = { kind = 'rnage', start = 0.1, stop = 0.2, number = 3 }",

@@ -19,14 +19,16 @@ from click.testing import CliRunner
 import ngcell
 from ngcell.cli import ngcell as command
 from ngcell.errors import CaseError, DependencyError, OutputError
-from ngcell.sweeps import extra
+from ngcell.scene import resolved_toml
+from ngcell.sweeps import case_run, extra
 from ngcell.sweeps.arrays import table_to_xarray
 from ngcell.sweeps.driver import connected, finished
 from ngcell.sweeps.ending import Ending
+from ngcell.sweeps.identity import content_key
 from ngcell.sweeps.options import SweepOptions
 from ngcell.sweeps.store import Store
 from ngcell.sweeps.sweep import Sweep, read_sweep
-from ngcell.sweeps.table import PROVENANCE
+from ngcell.sweeps.table import PROVENANCE, Table
 from ngcell.sweeps.task import OTHER_CODE, Task
 from ngcell.sweeps.worker import died
 from tests.sweeps.conftest import SMALL, pretend
@@ -331,3 +333,41 @@ def test_a_run_that_was_killed_takes_no_place_of_a_result(tmp_path):
     assert store.holds("ab") and store.read("ab") == whole
     store.write(whole | {"n": 3})
     assert store.read("ab") == whole | {"n": 3}
+
+
+def test_a_run_that_has_ended_keeps_its_numbers_where_its_picture_fails(tmp_path, monkeypatch):
+    def fails(*_: object, **__: object) -> None:
+        raise ImportError("failed to map segment")
+
+    monkeypatch.setattr(case_run, "picture_of", fails)
+    small = ["accuracy=inf", "tissue.rows=1", "tissue.cols=2", "mesh.order=1", "load.levels=1", "expected=[]"]
+    case = ngcell.read_case("shear-empty-3x3", [*small, "load.displacement=[0.1, 0.0]"])
+    task = Task(key=content_key(case), text=resolved_toml(case), picture=True)
+    found = case_run.run(task, tmp_path)
+    assert found["outcome"] == "certified" and found["final"] and "picture" not in found
+    assert found["levels"][0]["step"]["energy"] > 0
+
+
+@pytest.mark.parametrize("name", ["energy", "case", "outcome"])
+def test_an_axis_has_no_name_of_a_column(name, tmp_path):
+    file = tmp_path / "study.toml"
+    both = "{ kind = 'zip', values = { material.c1 = [0.5, 1.0], material.c2 = [1.0, 2.0] } }"
+    file.write_text(f"outputs = ['energy']\n{SMALL}[axes]\n{name} = {both}\n")
+    with pytest.raises(CaseError, match=f"axes.{name}: the table has a column of this name; allowed: another name"):
+        Sweep(file, tmp_path / "out", SweepOptions(function=pretend))
+
+
+def test_a_table_has_what_no_whole_number_of_it_can_hold(tmp_path):
+    axes = [{"name": "tissue.seed", "values": {"tissue.seed": [1, 2**63]}}]
+    table = Table(axes, ["energy", "parted_pairs"])
+    step = {"energy": 1.0, "parted_pairs": float("nan"), "certified": True}
+    result = {"outcome": "certified", "levels": [{"load_factor": 1.0, "step": step}], "attempts": 1}
+    table.write(tmp_path, table.rows(0, {"tissue.seed": 2**63}, result))
+    (row,) = ngcell.read_sweep(tmp_path).to_dict("records")
+    assert row["tissue.seed"] == str(2**63) and row["energy"] == 1.0 and not row["parted_pairs"] >= 0
+
+
+def test_walls_with_a_strength_have_their_utilisation_in_the_table(tmp_path):
+    file = tmp_path / "study.toml"
+    file.write_text(f"outputs = ['energy', 'utilisation']\n{SMALL}[axes]\nmaterial.strength = [0.5, 1.0]\n")
+    assert Sweep(file, tmp_path / "out", SweepOptions(function=pretend)).outputs == ("energy", "utilisation")

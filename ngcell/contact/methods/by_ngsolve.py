@@ -81,10 +81,13 @@ class NgsolveTerm(ContactTerm):
         self._walls, self._reach = walls, reach
         self._colours = np.zeros(len(walls.thickness), dtype=np.int64)
         self._boundary: BoundaryEnergy | None = None
+        self._stiff = self.stiffness
         self._found: tuple[Configuration, BoundaryEnergy] | None = None
 
     def _at(self, at: Configuration) -> BoundaryEnergy:
         """Return NGSolve's contact boundaries with the pairs of a configuration."""
+        if not np.array_equal(self._stiff, self.stiffness):  # the method has been made stiffer, or softer
+            self._stiff, self._boundary, self._found = self.stiffness, None, None
         if self._found is None or self._found[0] is not at:
             boundary = self._coloured(self._walls.nodes(at.positions))
             boundary.find(at.positions)
@@ -97,7 +100,7 @@ class NgsolveTerm(ContactTerm):
         if self._boundary is None or (self._colours[one] == self._colours[two]).any():
             self._colours = coloured(len(self._colours), one, two)
             strip = WallStrip(self._walls, self._colours)
-            self._boundary = BoundaryEnergy(self._walls, strip, self.stiffness, float(np.max(self._reach)))
+            self._boundary = BoundaryEnergy(self._walls, strip, self._stiff, float(np.max(self._reach)))
         return self._boundary
 
     def value(self, at: Configuration) -> float:

@@ -13,12 +13,14 @@ from ngcell.contact.methods.edge_multipliers import EdgeFunctions
 from ngcell.contact.surface.facet_basis import FacetBasis
 from ngcell.contact.surface.facets import FacetSurface
 from ngcell.contact.surface.surface import SurfacePoints
-from ngcell.geometry.near import components
+from ngcell.geometry.near import components, near_pairs
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 _ON_SIDE = 1e-9
+#: Share of the shortest side of a facet within which points are the same.
+_SAME = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,8 +80,9 @@ def constrained_on_facets(walls: FacetSurface) -> SurfacePoints:
     lattice = FacetBasis(4, walls.basis.corner_count)
     place = _lattice_places(walls, lattice).reshape(-1, 3)
     facet, number = np.divmod(np.arange(len(place)), len(lattice.nodes))
-    digits = np.round(place / (1e-7 * np.abs(place).max()))
-    _, first = np.unique(np.column_stack([walls.body[facet], digits]), axis=0, return_index=True)
+    one, two = near_pairs(place, _SAME * float(walls.sizes.min()))
+    same = walls.body[facet[one]] == walls.body[facet[two]]
+    _, first = np.unique(components(len(place), one[same], two[same]), return_index=True)
     first = np.sort(first)
     return SurfacePoints(facet[first], lattice.nodes[number[first]], np.zeros(len(first)))
 

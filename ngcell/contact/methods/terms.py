@@ -25,7 +25,7 @@ Index = NDArray[np.int64]
 TENSION, COMPLEMENTARITY, WEIGHTED = 0.0, 0.02, 1e-6
 _MEMORY = "penalty_"
 _MEANING = {
-    "tension": "largest tensile contact pressure over the shear modulus",
+    "tension": "largest tensile contact force of a contact pair",
     "complementarity": "integral of contact pressure times gap over the stored energy",
     "weighted_overlap": "deepest overlap averaged by a multiplier's function over the thinnest wall; mortar only",
     "weighted_complementarity": "sum of multipliers times weighted gaps over the stored energy; mortar only",

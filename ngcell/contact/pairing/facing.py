@@ -20,10 +20,13 @@ from numpy.typing import NDArray
 from ngcell.contact.pairing.near import Reach, facing, near_facets
 from ngcell.contact.pairing.search import nearest_on_body
 from ngcell.contact.surface.surface import Surface
+from ngcell.geometry.near import components, near_pairs
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
+#: Share of the shortest facet within which corners are the same.
+_SAME = 1e-4
 #: Two facets touch face to face if their normals differ from opposite by less than about 25 degrees.
 _OPPOSITE = -0.9
 #: Share of the distance up to which facets face each other, within which their middles touch.
@@ -166,9 +169,10 @@ def count_corners(walls: Surface) -> int:
     corners = walls.basis.corner_nodes
     ends = walls.rest[:, corners].reshape(-1, walls.dimension)
     body = np.repeat(walls.body, len(corners))
-    scale = np.abs(ends).max(initial=0.0) or 1.0
-    _, place = np.unique(np.round(ends / (1e-7 * scale)), axis=0, return_inverse=True)
-    meeting = np.unique(np.column_stack([place.ravel(), body]), axis=0)
+    if not len(ends):
+        return 0
+    place = components(len(ends), *near_pairs(ends, _SAME * float(walls.sizes.min())))
+    meeting = np.unique(np.column_stack([place, body]), axis=0)
     return int((np.bincount(meeting[:, 0]) >= 3).sum())
 
 

@@ -1,4 +1,4 @@
-"""Where the lumens of empty cells are: closed loops of boundary edges around holes."""
+"""Where the lumens of empty cells are: closed loops of boundary edges around holes, whose edges are no walls."""
 
 from __future__ import annotations
 
@@ -30,7 +30,8 @@ def find_lumens(bodies: BodyMesh, scalar_space: ngsolve.H1, rest: Array) -> Lume
         return None
     found = find_edges(replace(bodies, wall_names="|".join(sorted(names))), scalar_space, rest)
     corners = anticlockwise(found.side, found.rest)[:, 0]
-    loops = [loop for loop in closed_loops(found) if signed_area(corners[loop]) < 0]
+    cells = bodies.body_count - bodies.rigid_count  # what is rigid does not close
+    loops = [loop for loop in closed_loops(found) if signed_area(corners[loop]) < 0 and found.body[loop[0]] < cells]
     return _surface(found, loops) if loops else None
 
 

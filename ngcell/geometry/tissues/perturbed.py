@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from math import sqrt
 from typing import Annotated, Literal, Self
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from ngcell.errors import GeometryError
-from ngcell.geometry.lumens import check_lumens
+from ngcell.geometry.lumens import check_corners, check_lumens
 from ngcell.geometry.near import components, near_pairs
 from ngcell.geometry.outlines import Outlines
 from ngcell.geometry.tissues.hexagonal import HexagonalCells, supported_walls
@@ -79,6 +80,8 @@ class Perturbed(HexagonalCells):
     def _with_lumens(self) -> Self:
         try:
             check_lumens(self.outlines, self.walls)
+            if self.corner_radius:
+                check_corners(self.outlines, self.walls, self.corner_radius / sqrt(3))
         except GeometryError as error:
             refuse("{reason}; or a smaller spread", "spread", reason=str(error))
         return self

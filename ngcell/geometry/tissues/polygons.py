@@ -17,6 +17,7 @@ from netgen import occ
 from numpy.typing import NDArray
 
 from ngcell.errors import GeometryError
+from ngcell.geometry.faces import check_area
 from ngcell.geometry.near import near_pairs
 from ngcell.scene.bodies import Body
 
@@ -80,7 +81,9 @@ class PolygonTissue:
     def _face(self, number: int) -> occ.Face:
         outline, cell = self._outlines[number], f"{self.name}{number}"
         lumen = outline.buffer(-self.wall, join_style="mitre")
-        face = (_polygon_face(_corners(outline)) - _polygon_face(_corners(lumen))).faces[0]
+        made = _polygon_face(_corners(outline)) - _polygon_face(_corners(lumen))
+        check_area(cell, made, outline.area - lumen.area)
+        face = made.faces[0]
         middles = _middles(outline)
         for edge in face.edges:
             place = (edge.center.x, edge.center.y)

@@ -36,7 +36,7 @@ class Block(UserBody):
         (left, bottom), (right, top) = self.low, self.high
         face = occ.MoveTo(left, bottom).Rectangle(right - left, top - bottom).Face()
         lines = {"bottom": (1, bottom), "top": (1, top), "left": (0, left), "right": (0, right)}
-        return named_face(face, self, lines, right - left + top - bottom)
+        return named_face(face, self, lines, right - left + top - bottom, (right - left) * (top - bottom))
 
     @field_validator("high")
     @classmethod

@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal, Self
 from netgen import occ
 from pydantic import Strict, model_validator
 
+from ngcell.geometry.faces import check_area
 from ngcell.scene.choice import OneOf
 from ngcell.scene.scope import refuse
 from ngcell.scene.section import Name, PositiveNumber, Section
@@ -105,6 +106,7 @@ def named_face(
     body: UserBody,
     lines: Mapping[str, tuple[int, float]],
     length: float,
+    area: float,
     arc: Callable[[Point], str] = lambda point: "outer",
 ) -> occ.Face:
     """Return the only face of a shape with names on its edges.
@@ -119,9 +121,17 @@ def named_face(
         Sides that are straight: the axis across each, and the coordinate along that axis [length].
     length : float
         Size of the body [length].
+    area : float
+        Its area [length**2].
     arc : function
         Returns the side that an end of any other edge lies on.
+
+    Raises
+    ------
+    GeometryError
+        If the shape is another one; see `check_area`.
     """
+    check_area(f"body {body.name}", shape, area)
     face = shape.faces[0]
     for edge in face.edges:
         points = [(point.x, point.y) for point in (edge.start, edge.end, edge.center)]

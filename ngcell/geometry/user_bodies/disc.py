@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import pi
 from typing import Literal
 
 from netgen import occ
@@ -43,5 +44,6 @@ class Disc(UserBody):
         """Its face, in the plane z = 0, with the names of its boundaries on its edges."""
         whole = occ.Circle(self.centre, self.radius).Face()
         face = part_of(whole, self.part, self.centre, self.radius)
+        area = pi * self.radius**2 / 2 ** len(self.cuts)
         lines = {"x0": (0, self.centre[0]), "y0": (1, self.centre[1])}
-        return named_face(face, self, {side: lines[side] for side in self.cuts}, self.radius)
+        return named_face(face, self, {side: lines[side] for side in self.cuts}, self.radius, area)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import pi
 from typing import Literal
 
 from netgen import occ
@@ -46,8 +47,9 @@ class Ring(UserBody):
         """Its face, in the plane z = 0, with the names of its boundaries on its edges."""
         whole = occ.Circle(self.centre, self.outer).Face() - occ.Circle(self.centre, self.inner).Face()
         face = part_of(whole, self.part, self.centre, self.outer)
+        area = pi * (self.outer**2 - self.inner**2) / 2 ** len(self.cuts)
         lines = {"x0": (0, self.centre[0]), "y0": (1, self.centre[1])}
-        return named_face(face, self, {side: lines[side] for side in self.cuts}, self.outer, self._arc)
+        return named_face(face, self, {side: lines[side] for side in self.cuts}, self.outer, area, self._arc)
 
     def _arc(self, point: Point) -> str:
         """Return which arc an end of it lies on."""

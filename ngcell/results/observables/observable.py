@@ -13,6 +13,11 @@ from ngcell.results.quantities import View
 
 Array = NDArray[np.float64]
 
+#: Columns of tables that rows of steps become parts of.
+_ELSEWHERE = (
+    "accuracy", "attempts", "case", "detail", "failed_checks", "host", "key", "level", "member", "memory_gib",
+    "outcome", "processor_seconds", "seed", "unknowns",
+)  # fmt: skip
 #: How names begin that files of results have for what they tell of themselves.
 _OWN = "ngcell_"
 
@@ -38,6 +43,7 @@ def check_names(observables: Sequence[Observable], taken: Collection[str]) -> No
     CaseError
         If one has not.
     """
+    taken = {*taken, *_ELSEWHERE}
     seen = set(taken)
     for observable in observables:
         name = getattr(observable, "name", None)
