@@ -169,7 +169,7 @@ def contact_set(problem: Problem, state: State) -> ContactSet:
 
 def single_step(released: Released, motion: Motion, *, steps: Sequence[float]) -> Iterator[Accepted]:
     """Equilibria with contact at load factors, one after the other."""
-    task = Task(SimpleNamespace(tied=(), released=released), motion, steps, steps)
+    task = Task(SimpleNamespace(tied=(), released=released, renew_budget=lambda: None), motion, steps, steps)
     return SingleStep().follow(task, Progress())
 
 

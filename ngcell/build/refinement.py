@@ -135,7 +135,9 @@ class Refinement(Generic[Scene]):
         reported = last = Refined(0, base, base.problem_of(accepted.phase), accepted, Errors(), is_judged)
         if not self.estimates:
             return last
-        found, refined, errors = [step_numbers(last)], list[Refining](), Errors()
+        is_first_reported = not self._stages[1].is_reported
+        first = self._levels[0].numbers(last) if is_first_reported else step_numbers(last)
+        found, refined, errors = [first], list[Refining](), Errors()
         while (finer := self._next(last)) is not None:
             finer, here = self._by_firm_contact(finer)
             found.append(here)

@@ -89,14 +89,14 @@ class Simulation(Problems):
 
         self.refinement: Refinement[Simulation] = Refinement(self, stages, build, scene.accuracy)
         self._strategy = strategy
-        watched = (*self._case.observables, *observables)
-        check_names(watched, {*(column.name for column in fields(StepRecord)), *FIELDS, *COLUMNS})
+        measured_too = (*self._case.observables, *observables)
+        check_names(measured_too, {*(column.name for column in fields(StepRecord)), *FIELDS, *COLUMNS})
         self._observer = Observer(
             self.setup,
             self.bodies,
             levels=self.levels,
             expected=() if isinstance(self._case, BodyScene) else self._case.expected,
-            observables=watched,
+            observables=measured_too,
             mesh=Mesh(**stages[0].entries, unknowns=self.space.unknowns),
         )
 

@@ -6,9 +6,8 @@ and Python writes the file, so that a full disk shows as an error and never as h
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,6 +18,7 @@ from numpy.typing import NDArray
 
 from ngcell.errors import OutputError
 from ngcell.export.atomic import replace_file
+from ngcell.export.silent import silent_vtk
 from ngcell.results.snapshot import Grid, Snapshot
 
 if TYPE_CHECKING:
@@ -142,7 +142,7 @@ def read_last_snapshot(folder: Path, name: str = "tissue") -> tuple[Snapshot, bo
 def count_snapshots(folder: Path, name: str = "tissue") -> int:
     """Return the number of snapshots of a series; 0 where there is none that can be read."""
     try:
-        with _silent():
+        with silent_vtk():
             return len(_open_series(Path(folder) / f"{name}.pvd").time_values)
     except _UNREADABLE:
         return 0
@@ -169,7 +169,7 @@ def read_snapshot(folder: Path, number: int, name: str = "tissue") -> tuple[Snap
     if not path.is_file():
         raise OutputError(f"{folder} holds no {path.name}: not a result, or no step was accepted")
     try:
-        with _silent():
+        with silent_vtk():
             reader = _open_series(path)
             reader.set_active_time_value(reader.time_values[number])
             bulk, walls = reader.read()
@@ -183,23 +183,6 @@ def read_snapshot(folder: Path, number: int, name: str = "tissue") -> tuple[Snap
             reason = "a file that it lists is not whole"
         place = "the last snapshot" if number < 0 else f"snapshot {number}"
         raise OutputError(f"cannot read {place} of {path}: {reason}; is it damaged?") from error
-
-
-@contextmanager
-def _silent() -> Iterator[None]:
-    """Let VTK tell nothing of damaged files: it is told in one line."""
-    from vtkmodules.vtkCommonCore import vtkLogger, vtkObject
-
-    verbosity = vtkLogger.GetCurrentVerbosityCutoff()
-    vtkObject.GlobalWarningDisplayOff()
-    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
-    logging.disable(logging.ERROR)
-    try:
-        yield
-    finally:
-        logging.disable(logging.NOTSET)
-        vtkLogger.SetStderrVerbosity(verbosity)
-        vtkObject.GlobalWarningDisplayOn()
 
 
 def _open_series(path: Path) -> Any:

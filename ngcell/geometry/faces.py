@@ -23,6 +23,6 @@ def check_area(name: str, shape: Any, area: float) -> None:
     if not abs(made - area) <= _OFF * area:
         raise GeometryError(
             f"{name} is too small, or too far from the origin, for the geometry library, which takes what is nearer "
-            f"than 1e-7 for the same: of its area of {area:.6g} it makes {made:.6g}; allowed: a unit of length in which "
-            "bodies measure about 1, near the origin"
+            f"than 1e-7 for the same: of its area of {area:.6g} it makes {made:.6g}; allowed: a unit of length in "
+            "which bodies measure about 1, near the origin"
         )

@@ -6,13 +6,11 @@ that a run can be resumed when the scene is handed over again.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any
 
-import numpy as np
 import tomli_w
-from numpy.typing import NDArray
 from pydantic import BaseModel
 
 from ngcell.scene.bodies import BodyScene
@@ -58,8 +56,9 @@ def _plain(value: Any) -> Any:
 
 def _shape(shape: Any) -> dict[str, Any]:
     """Return what a shape of OpenCASCADE is like: area or volume, where it is, and the names of its boundaries."""
-    low, high = (np.array([*corner], dtype=float) for corner in shape.bounding_box)
-    digit = _DIGIT * float(np.abs(high - low).max())  # meshing a shape changes the last digits of its box
+    low, high = (list(map(float, corner)) for corner in shape.bounding_box)
+    # Meshing a shape changes the last digits of its box.
+    digit = _DIGIT * max(abs(above - below) for below, above in zip(low, high, strict=True))
     sides = shape.faces if len(shape.solids) else shape.edges
     return {
         "not_written": type(shape).__qualname__,
@@ -70,6 +69,6 @@ def _shape(shape: Any) -> dict[str, Any]:
     }
 
 
-def _rounded(place: NDArray[np.float64], digit: float) -> list[float]:
+def _rounded(place: Sequence[float], digit: float) -> list[float]:
     """Return a place in whole multiples of a digit [length]; none is -0."""
-    return [float(f"{value:.9g}") + 0.0 for value in digit * np.round(place / digit)] if digit else place.tolist()
+    return [float(f"{digit * round(value / digit):.9g}") + 0.0 if digit else value for value in place]

@@ -1,4 +1,4 @@
-"""Drawn bodies are what their sizes say, or refused in words."""
+"""User-defined bodies are what their sizes say, or refused in words."""
 
 from __future__ import annotations
 

@@ -334,8 +334,10 @@ def test_where_bodies_are_left_deep_in_each_other_the_load_is_followed_in_half_a
     motion = SimpleNamespace(
         has_lifting=False, lifting=lambda load: np.zeros(1), imposed=lambda displacement, load: np.array([load])
     )
-    (only,) = SingleStep().follow(Task(SimpleNamespace(released=released), motion, [1.0], [1.0]), Progress())
-    assert only.load_factor == 1 and asked[:2] == [1.0, 0.5]
+    renewed = []
+    problems = SimpleNamespace(released=released, renew_budget=lambda: renewed.append(len(asked)))
+    (only,) = SingleStep().follow(Task(problems, motion, [1.0], [1.0]), Progress())
+    assert only.load_factor == 1 and asked[:2] == [1.0, 0.5] and bool(renewed) != helps
     assert only.minimum.state.deep == (0.0 if helps else 0.09)
     assert asked == [1.0, 0.5, 1.0] if helps else (asked[-1] == 1.0 and len(asked) == MOST_HALVINGS + 3)
 
