@@ -144,7 +144,7 @@ def _simplified(wall: Array, tolerance: float) -> object:
 
 
 def _labels_of(faces: NDArray[np.object_], padded: Index) -> Index:
-    """Return the label that most of a face's area has, going by points inside of it, shape (faces,)."""
+    """Return the label at a point inside of each face, shape (faces,)."""
     import shapely
 
     inside = shapely.get_coordinates(shapely.point_on_surface(faces))

@@ -23,8 +23,8 @@ _PRESSED = 1e-2
 def pressed_lengths(walls: Surface, pairs: NDArray[np.int64], problem: Problem, at: Configuration) -> Array:
     """Return the deformed length, or area, on which each pair of bodies is in contact, shape (pairs,).
 
-    It is that of the first body's facets which the other body presses, as far as their pressure exceeds a hundredth of
-    the largest there.
+    It is that of the first body's facets which the other body presses, as far as the pressure on them, whichever body
+    presses, exceeds a hundredth of the largest there.
     """
     acting, found = interaction(problem.terms, at), np.zeros(len(pairs))
     nodes, places = walls.nodes(at.positions), walls.quadrature_points

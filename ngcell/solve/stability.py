@@ -104,13 +104,16 @@ def lowest_mode(minimiser: Minimiser, minimum: Minimum, options: StabilityOption
 
     Beside a weight that is much larger, eigenvalues near zero hardly differ, and rounds would end before the lowest one
     is found. So weights are only somewhat larger than what has been found. `scale` [stress / length**2] is that of
-    curvatures.
+    curvatures. It is NaN where the tangent has next to no inverse, with whatever weight.
     """
     weight, lowest = options.near * scale, None
     for _ in range(options.most_weights):
         mode = _mode_near(minimiser, minimum, weight, options)
         _log.info("lowest curvature %.1e times the scale, %d rounds", mode.curvature / scale, mode.rounds)
-        if lowest is None or mode.curvature < lowest.curvature:
+        if np.isnan(mode.curvature):  # the matrix has next to no inverse at this weight
+            weight, lowest = options.farther * weight, lowest or mode
+            continue
+        if lowest is None or np.isnan(lowest.curvature) or mode.curvature < lowest.curvature:
             lowest = mode
         if mode.curvature > -weight:
             break
@@ -123,7 +126,7 @@ def _mode_near(minimiser: Minimiser, minimum: Minimum, weight: float, options: S
     """Return the lowest eigenvalue; where some are below ``-weight``, the one of these that is nearest to it."""
     solve, free = minimiser.stiffened(minimum, weight), minimiser.problem.free
     theta, direction, rounds = _lanczos(solve, minimiser.problem.mass, free, options)
-    return Mode(float(1 / theta) - weight, _oriented(direction), rounds)
+    return Mode(float(1 / theta) - weight, direction if np.isnan(theta) else _oriented(direction), rounds)
 
 
 def modes_as_low(
@@ -227,6 +230,8 @@ def _lanczos(
         for _ in range(2):
             vector = vector - known.T @ (duals @ vector)
         norm = float(np.sqrt(max(float(vector @ (mass @ vector)), 0.0)))
+        if not np.isfinite(norm):
+            return float("nan"), np.zeros(len(free)), count
         small[count - 1, count] = small[count, count - 1] = norm
         values, vectors = np.linalg.eigh(small[:count, :count])
         pick = 0 if values[0] < -options.lost * np.abs(values).max() else count - 1

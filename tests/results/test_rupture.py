@@ -55,6 +55,12 @@ def test_walls_that_had_ruptured_before_the_first_step_are_a_bound():
     assert told is not None and told.load_factor == pytest.approx(0.2) and told.interpolation_error == 0.15
 
 
+def test_steps_whose_utilisation_is_not_known_are_left_out():
+    known = [row(0.25, 0.5, 0.02), row(1.0, 2.0, 0.02)]
+    found = rupture_load([known[0], row(0.4, float("nan"), float("nan")), known[1]], starts_at_rest=True)
+    assert found == rupture_load(known, starts_at_rest=True) and found.load_factor == pytest.approx(0.5)
+
+
 def test_nothing_is_told_where_nothing_ruptures_or_walls_are_tied():
     assert rupture_load([row(0.5, 0.9), row(1.0, 0.99)], starts_at_rest=True) is None
     assert rupture_load([row(0.5, 2.0, phase="tied"), row(0.5, 0.9)], starts_at_rest=True) is None

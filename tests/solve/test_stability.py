@@ -131,3 +131,26 @@ def test_a_slender_solid_buckles_as_well():
     (check,) = (check for check in step.measurement.certificate.checks if check.name == "lowest_curvature")
     assert step.record.certified and check.value > 0
     assert step.record.energy < 0.8 * compressed
+
+
+def test_a_matrix_without_an_inverse_is_tried_with_another_weight_and_told_where_none_has_one():
+    built = simulation(0.1)
+    minimiser, minimum = straight(built)
+    scale, stiffened = built.continuation.scale, minimiser.stiffened
+    expected = lowest_mode(minimiser, minimum, USUAL, scale=scale).curvature
+    weights = []
+
+    def without(fewest: int):
+        def found(minimum, weight):
+            weights.append(weight)
+            return stiffened(minimum, weight) if len(weights) > fewest else lambda force: np.full_like(force, np.nan)
+
+        return found
+
+    minimiser.stiffened = without(1)
+    assert lowest_mode(minimiser, minimum, USUAL, scale=scale).curvature == pytest.approx(expected, rel=1e-3)
+    assert weights[1] > weights[0]
+    minimiser.stiffened = without(10**6)
+    assert np.isnan(lowest_mode(minimiser, minimum, USUAL, scale=scale).curvature)
+    judged = stable_minimum(minimiser, minimum, lambda below: below, USUAL, scale=scale, length=0.1)
+    assert not common_check("lowest_curvature", judged.lowest_curvature).passed

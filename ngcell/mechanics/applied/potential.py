@@ -127,8 +127,10 @@ class AppliedLoads(SymbolicTerm):
         applied = self.factor.Get()
         if load_factor is not None:
             self.apply(load_factor)
-        yield
-        self.factor.Set(applied)
+        try:
+            yield
+        finally:
+            self.factor.Set(applied)
 
 
 def _pressures(loads: Sequence[AppliedLoad]) -> dict[str, float]:

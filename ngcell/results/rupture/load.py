@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import nan
+from math import isnan, nan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,8 +53,12 @@ class RuptureLoad:
 
 
 def rupture_load(records: Sequence[StepRecord], *, starts_at_rest: bool) -> RuptureLoad | None:
-    """Return the load at which the first wall would rupture along the released steps; None where none does."""
-    found = [record for record in records if record.phase == "released"]
+    """Return the load at which the first wall would rupture along the released steps; None where none does.
+
+    Steps whose utilisation is not known, since an element is inverted, are left out.
+    """
+    released = [record for record in records if record.phase == "released"]
+    found = [record for record in released if not isnan(record.more["utilisation"])]
     above = [number for number, record in enumerate(found) if record.more["utilisation"] >= 1]
     if not above:
         return None
