@@ -135,7 +135,7 @@ class Refinement(Generic[Scene]):
         reported = last = Refined(0, base, base.problem_of(accepted.phase), accepted, Errors(), is_judged)
         if not self.estimates:
             return last
-        is_first_reported = not self._stages[1].is_reported
+        is_first_reported = len(self._stages) > 1 and not self._stages[1].is_reported
         first = self._levels[0].numbers(last) if is_first_reported else step_numbers(last)
         found, refined, errors = [first], list[Refining](), Errors()
         while (finer := self._next(last)) is not None:
