@@ -235,13 +235,13 @@ class ResultFolder:
             return
         if self._last is None and self._series.snapshots:
             self._last, _ = read_last_snapshot(self.path)
-        if self._last is not None and is_drawn_from_above(self._last.bulk):
-            draw_tissue(self._last, self.path / "tissue.png", title=title, certified=certified)
         if self._history:
             draw_curves(self._history, self.path / "gap.png", certified=certified, onset=onset)
-        if self._pairs and self._last is not None and is_drawn_from_above(self._last.bulk):
-            drawn = self._history, self._pairs, self._last.bulk, self.path / "debonding.png"
-            draw_debonding(*drawn, certified=certified, ends=self._ends)
+        if (seen := self._last) is not None and is_drawn_from_above(seen.bulk):
+            draw_tissue(seen, self.path / "tissue.png", title=title, certified=certified)
+            if self._pairs:
+                drawn = self._history, self._pairs, seen.bulk, self.path / "debonding.png"
+                draw_debonding(*drawn, certified=certified, ends=self._ends)
 
     def finish(self, summary: Mapping[str, Any]) -> None:
         """Write the summary of the ended run, after the pictures if `draw` was not called.

@@ -60,7 +60,7 @@ def planar_view(grid: Grid) -> Grid:
 
 def is_drawn_from_above(grid: Grid) -> bool:
     """Return whether a grid is planar, or of prisms; other solids are shown by `ngcell view`."""
-    return planar_view(grid).cell_type in SHAPES
+    return grid.cell_type in SHAPES or grid.cell_type == _HEXAHEDRON
 
 
 @dataclass(frozen=True, eq=False, slots=True)

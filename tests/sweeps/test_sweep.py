@@ -9,6 +9,7 @@ from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from math import inf
+from types import SimpleNamespace
 
 import distributed
 import numpy as np
@@ -19,6 +20,7 @@ from click.testing import CliRunner
 import ngcell
 from ngcell.cli import ngcell as command
 from ngcell.errors import CaseError, DependencyError, OutputError
+from ngcell.results.observables.observable import check_names
 from ngcell.scene import resolved_toml
 from ngcell.sweeps import case_run, extra
 from ngcell.sweeps.arrays import table_to_xarray
@@ -28,7 +30,7 @@ from ngcell.sweeps.identity import content_key
 from ngcell.sweeps.options import SweepOptions
 from ngcell.sweeps.store import Store
 from ngcell.sweeps.sweep import Sweep, read_sweep
-from ngcell.sweeps.table import PROVENANCE, Table
+from ngcell.sweeps.table import PROVENANCE, Table, known_outputs
 from ngcell.sweeps.task import OTHER_CODE, Task
 from ngcell.sweeps.worker import died
 from tests.sweeps.conftest import SMALL, pretend
@@ -371,3 +373,10 @@ def test_walls_with_a_strength_have_their_utilisation_in_the_table(tmp_path):
     file = tmp_path / "study.toml"
     file.write_text(f"outputs = ['energy', 'utilisation']\n{SMALL}[axes]\nmaterial.strength = [0.5, 1.0]\n")
     assert Sweep(file, tmp_path / "out", SweepOptions(function=pretend)).outputs == ("energy", "utilisation")
+
+
+def test_no_observable_has_the_name_of_a_column_that_every_table_has():
+    names = Table([], []).columns.keys()
+    for name in names:
+        with pytest.raises(CaseError, match="has this name; allowed: a name of its own"):
+            check_names([SimpleNamespace(name=name)], known_outputs().keys() | {"certified", "load_factor", "seconds"})

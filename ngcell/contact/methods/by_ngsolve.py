@@ -86,8 +86,9 @@ class NgsolveTerm(ContactTerm):
 
     def _at(self, at: Configuration) -> BoundaryEnergy:
         """Return NGSolve's contact boundaries with the pairs of a configuration."""
-        if not np.array_equal(self._stiff, self.stiffness):  # the method has been made stiffer, or softer
-            self._stiff, self._boundary, self._found = self.stiffness, None, None
+        stiffness = self.stiffness
+        if not np.array_equal(self._stiff, stiffness):  # the method has been made stiffer, or softer
+            self._stiff, self._boundary, self._found = stiffness, None, None
         if self._found is None or self._found[0] is not at:
             boundary = self._coloured(self._walls.nodes(at.positions))
             boundary.find(at.positions)

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 #: Columns of tables that rows of steps become parts of.
 _ELSEWHERE = (
     "accuracy", "attempts", "case", "detail", "failed_checks", "host", "key", "level", "member", "memory_gib",
-    "outcome", "processor_seconds", "seed", "unknowns",
+    "ngcell", "ngsolve", "outcome", "processor_seconds", "seed", "unknowns",
 )  # fmt: skip
 #: How names begin that files of results have for what they tell of themselves.
 _OWN = "ngcell_"
