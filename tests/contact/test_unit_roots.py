@@ -43,6 +43,12 @@ def test_polynomials_that_do_not_change_sign_end_at_an_end():
     np.testing.assert_array_equal(unit_roots(factors, np.array([0.4, 0.4])), [1.0, 0.0])
 
 
+def test_polynomials_that_fall_and_do_not_change_sign_end_at_an_end_to_the_last_digit():
+    """Newton's method says nothing of them: halvings come near to the end. What lies beside it would be no end."""
+    factors = np.array([[1.0, -0.2], [-0.5, -0.5]])
+    np.testing.assert_array_equal(unit_roots(factors, np.array([0.4, 0.4])), [0.0, 1.0])
+
+
 def bent_tissue(order: int = 4):
     """Two cells whose walls bend by far more than their thickness from corner to corner."""
     tissue = small_tissue(1, 2, order=order, edges=2)

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-#: Change of a coordinate below which a root has settled; halvings alone come to it in 44 steps.
+#: Change of a coordinate below which a root has settled; halvings alone come to it in 44 steps. So near to an end of the
+#: interval it is that end: halvings come near to it and never there.
 _SETTLED = 1e-13
 _MOST = 100
 
@@ -43,6 +44,7 @@ def unit_roots(polynomials: Array, start: Array) -> Array:
         left = np.flatnonzero(change > _SETTLED)
         moving, factors = moving[left], factors[:, left]
         at, low, high, change = after[left], low[left], high[left], change[left]
+    found[found <= _SETTLED], found[found >= 1 - _SETTLED] = 0, 1
     return found
 
 
