@@ -25,6 +25,7 @@ from ngcell.results.record import StepRecord
 from ngcell.results.report import StepReport
 from ngcell.results.verdict import with_error
 from ngcell.scene import AnyCase, BodyScene, resolved_toml
+from ngcell.scene.kinds import check_is_scene
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.step import StepFailed
 from ngcell.threads import each_on_threads, threads, threads_for
@@ -58,7 +59,7 @@ class RecordingOptions:
     Raises
     ------
     CaseError
-        `max_minutes` is no time.
+        `max_minutes` is no time, or `threads` no number of threads.
     """
 
     threads: int | None = None
@@ -71,6 +72,8 @@ class RecordingOptions:
     def __post_init__(self) -> None:
         if self.max_minutes is not None and not self.max_minutes > 0:
             raise CaseError(f"max_minutes = {self.max_minutes}; allowed: a number > 0")
+        if self.threads is not None and self.threads < 1:
+            raise CaseError(f"threads = {self.threads}; allowed: a whole number >= 1")
 
     @property
     def end(self) -> float | None:
@@ -110,7 +113,7 @@ class Recording:
     OutputError
         While iterating: the folder cannot be used or written.
     CaseError
-        While iterating: the scene cannot be meshed. At once: there is no penalty to verify.
+        While iterating: the scene cannot be meshed. At once: it is no scene, or there is no penalty to verify.
     """
 
     def __init__(
@@ -122,6 +125,7 @@ class Recording:
         options: RecordingOptions,
         restart: Restart | None = None,
     ) -> None:
+        check_is_scene(case)
         if options.verify_penalty:
             check_has_penalty(case)
         self._case, self._out, self._additions = case, Path(out), additions

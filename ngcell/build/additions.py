@@ -12,6 +12,7 @@ from ngcell.build.simulation import Simulation
 from ngcell.clock import Clock
 from ngcell.results.observables.observable import Observable
 from ngcell.scene import AnyCase, BodyScene
+from ngcell.scene.kinds import check_is_scene
 from ngcell.solve.strategies.strategy import Strategy
 
 #: What lines of a recorded case begin with that tell of additions.
@@ -41,6 +42,7 @@ class Additions:
 
     def simulation(self, scene: AnyCase | BodyScene, clock: Clock | None = None) -> Simulation:
         """Return the scene with what was added, built."""
+        check_is_scene(scene)
         return Simulation(
             scene,
             clock,

@@ -322,6 +322,19 @@ def test_a_step_that_is_accepted_is_not_on_the_way():
     assert [simulation.refinement.on_the_way for _ in simulation.accepted_steps()] == [None, None]
 
 
+def test_no_number_of_threads_is_refused():
+    with pytest.raises(ngcell.CaseError, match="threads = 0; allowed"):
+        ngcell.record(ngcell.read_case("shear-empty-3x3"), Path("nowhere"), threads=0)
+
+
+@pytest.mark.parametrize("scene", ["shear-empty-3x3", None])
+def test_what_is_no_scene_is_told_in_words(scene):
+    """A name is read by `ngcell.read_case`."""
+    for run in (ngcell.simulate, lambda given: ngcell.record(given, Path("nowhere"))):
+        with pytest.raises(ngcell.CaseError, match=f"{scene!r} is no scene; allowed: a Case"):
+            run(scene)
+
+
 def test_no_time_is_refused():
     for minutes in (0, -1, float("nan")):
         with pytest.raises(ngcell.CaseError, match="max_minutes"):

@@ -24,6 +24,7 @@ from ngcell.contact.pairing.near import Reach, couplings_of_near_facets
 from ngcell.contact.pairing.pairs import ContactPairs
 from ngcell.contact.pairing.search import PairSearch
 from ngcell.contact.surface.surface import Surface, SurfacePoints
+from ngcell.errors import CaseError
 from ngcell.mechanics.report import Check, Scales
 from ngcell.mechanics.term import Configuration, Interaction, Role, Term
 
@@ -49,6 +50,10 @@ class NormalLaw:
     law: Law
     multiple: float = 10.0
     goes_with_cohesion: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        if not callable(self.law):
+            raise CaseError(f"law = {self.law!r}; allowed: a function of gaps and stiffnesses, see `NormalLaw`")
 
     def stages(
         self, walls: Surface, modulus_of_body: Array, *, reach: Reach, options: ContactOptions = DEFAULT_OPTIONS
