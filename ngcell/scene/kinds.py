@@ -24,5 +24,5 @@ def kind_of_case(table: Any) -> type[Case] | type[BodyCase]:
 def check_is_scene(scene: object) -> None:
     """Raise `CaseError` if something is no scene, as the name of a file."""
     if not isinstance(scene, Case | BodyCase | BodyScene):
-        known = "allowed: a Case, BodyCase or BodyScene; `ngcell.read_case` reads a file or a case that comes with ngcell"
+        known = "allowed: a Case, BodyCase or BodyScene; `ngcell.read_case` reads files and shipped cases"
         raise CaseError(f"{scene!r} is no scene; {known}")

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-#: Change of a coordinate below which a root has settled; halvings alone come to it in 44 steps. So near to an end of the
-#: interval it is that end: halvings come near to it and never there.
+#: Change of a coordinate below which a root has settled; halvings alone come to it in 44 steps. So near to an end of
+#: the interval it is that end: halvings come near to it and never there.
 _SETTLED = 1e-13
 _MOST = 100
 
