@@ -138,7 +138,7 @@ def modes_as_low(
     ARPACK starts again within the space that it has found (Lehoucq, Sorensen and Yang, ARPACK Users' Guide, 1998,
     doi:10.1137/1.9780898719628).
     """
-    from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh  # few runs need it
+    from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh  # few runs need it
 
     weight, free = -options.farther * lowest.curvature, minimiser.problem.free
     solve, mass = minimiser.stiffened(minimum, weight), minimiser.problem.mass.tocsr()[free][:, free]
@@ -156,7 +156,7 @@ def modes_as_low(
             mass, count, mass, sigma=-weight, v0=_pattern(mass.shape[0]), tol=options.unmixed,
             OPinv=LinearOperator(mass.shape, solved, dtype=float),  # which is all that it takes of K
         )  # fmt: skip
-    except ArpackNoConvergence:
+    except ArpackError:  # not converged, or a tangent that has next to no inverse
         return (lowest,)
     directions = np.zeros((count, len(free)))
     directions[:, free] = vectors.T

@@ -15,7 +15,7 @@ from ngcell.scene import Body, BodyScene, BodySupport, MooneyRivlin
 from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.options import StabilityOptions
 from ngcell.solve.proximal import ProximalTerm
-from ngcell.solve.stability import lowest_mode, modes_as_low, stable_minimum
+from ngcell.solve.stability import Mode, lowest_mode, modes_as_low, stable_minimum
 
 USUAL = StabilityOptions()
 
@@ -151,6 +151,7 @@ def test_a_matrix_without_an_inverse_is_tried_with_another_weight_and_told_where
     assert lowest_mode(minimiser, minimum, USUAL, scale=scale).curvature == pytest.approx(expected, rel=1e-3)
     assert weights[1] > weights[0]
     minimiser.stiffened = without(10**6)
+    assert modes_as_low(minimiser, minimum, Mode(-expected, np.zeros(0), 1), USUAL)[0].curvature == -expected
     assert np.isnan(lowest_mode(minimiser, minimum, USUAL, scale=scale).curvature)
     judged = stable_minimum(minimiser, minimum, lambda below: below, USUAL, scale=scale, length=0.1)
     assert not common_check("lowest_curvature", judged.lowest_curvature).passed

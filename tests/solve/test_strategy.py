@@ -13,7 +13,7 @@ import pytest
 from ngcell.problem.problem import Problem
 from ngcell.solve.continuation import Continuation
 from ngcell.solve.continuation_options import ContinuationOptions
-from ngcell.solve.effort import Effort
+from ngcell.solve.effort import Effort, OutOfIterations
 from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.proximal import ProximalTerm
@@ -342,10 +342,23 @@ def test_where_bodies_are_left_deep_in_each_other_the_load_is_followed_in_half_a
     assert asked == [1.0, 0.5, 1.0] if helps else (asked[-1] == 1.0 and len(asked) == MOST_HALVINGS + 3)
 
 
-def test_where_no_path_leads_from_the_lifting_the_load_is_followed_from_the_step_before():
-    fake = FakeMinimiser(stride=0.13)
+@pytest.mark.parametrize("is_long", [False, True])
+def test_where_no_path_leads_from_the_lifting_the_load_is_followed_from_the_step_before(is_long, monkeypatch):
+    """None does either where it takes more work than a step may; what follows has a budget of its own."""
+    fake, renewed = FakeMinimiser(stride=0.13), []
     path = Released(FakeMinimiser(np.inf), (fake,), Continuation(1.0, ContinuationOptions(first=1.0, last=1.0)))
-    task = Task(SimpleNamespace(released=path), FakeMotion(), [0.5, 1.0], [1.0])
+    step = Released.step
+
+    def too_long(path: Released, start: np.ndarray, centre: np.ndarray, load: float, **how: bool) -> Accepted:
+        if not how:
+            raise OutOfIterations
+        return step(path, start, centre, load, **how)
+
+    if is_long:
+        monkeypatch.setattr(Released, "step", too_long)
+    problems = SimpleNamespace(released=path, renew_budget=lambda: renewed.append(1))
+    task = Task(problems, FakeMotion(), [0.5, 1.0], [1.0])
     steps = list(SingleStep().follow(task, Progress()))
     assert [step.load_factor for step in steps] == [0.5, 1.0] and all(step.follows for step in steps)
     assert sum(step.effort.iterations for step in steps) == path.effort.iterations
+    assert len(renewed) == 2

@@ -62,11 +62,12 @@ class SingleStep(Section):
 
 def _from_lifting(task: Task, target: float) -> Accepted | None:
     """Return the equilibrium that a path from the lifting leads to; None where none does, as where elements next to
-    supports are inverted there."""
+    supports are inverted there, or where it takes more work than a step may."""
     centre = task.motion.lifting(target)
     try:
         return task.released.step(centre, centre, target)
-    except StepFailed:
+    except (StepFailed, OutOfIterations):
+        task.problems.renew_budget()
         _log.info("no path leads from the lifting; the load is followed from the step before")
         return None
 
