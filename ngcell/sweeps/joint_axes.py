@@ -54,6 +54,10 @@ def _by_key(table: Any) -> Any:
         nested = isinstance(value, dict) and not value.keys() & Interval.model_fields.keys()
         found.update({f"{key}.{rest}": each for rest, each in _by_key(value).items()} if nested else {key: value})
     pairs = {key for key, value in found.items() if isinstance(value, (list, tuple)) and len(value) == 2}
+    for key, value in found.items():
+        if not (key in pairs or isinstance(value, (dict, Interval))):
+            refuse("{key} = {value} is no interval; allowed: [low, high], or a table with low, high, scale",
+                   key=key, value=value)  # fmt: skip
     return {key: dict(zip(("low", "high"), value, strict=True)) if key in pairs else value
             for key, value in found.items()}  # fmt: skip
 

@@ -178,6 +178,10 @@ WRONG = {
     "a combination that no case allows": (
         "[axes]\ntissue.wall = [0.1, 0.9]\nmaterial.c1 = [1.0, 2.0]", (":11: tissue.wall = 0.9", "0.866025"),
     ),
+    "no interval": (
+        '[axes.hyper]\nkind = "latin-hypercube"\nnumber = 4\n[axes.hyper.over]\n"tissue.wall" = 3\n',
+        ("axes.hyper.over: tissue.wall = 3 is no interval", "[low, high]"),
+    ),
 }  # fmt: skip
 
 
