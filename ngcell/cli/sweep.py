@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -104,7 +103,9 @@ def sweep(
 
 def outlook_lines(outlook: Outlook, workers: int | None) -> Iterator[str]:
     """Yield what is foreseen of a study."""
-    cores = workers or os.cpu_count() or 1
+    from ngcell.sweeps.driver import workers_here
+
+    cores = workers_here(workers)
     few, many = outlook.unknowns
     yield f"cases        {outlook.cases}, of which {outlook.missing} have to be run"
     if outlook.refused:

@@ -58,7 +58,7 @@ def connected(scheduler: str | None, workers: int | None) -> Iterator[Any]:
     folder = tempfile.mkdtemp(prefix="ngcell-dask-")
     try:
         with (
-            _cluster(distributed, workers or available_cores(), folder) as cluster,
+            _cluster(distributed, workers_here(workers), folder) as cluster,
             distributed.Client(cluster, set_as_default=False) as client,
         ):
             yield client
@@ -88,6 +88,11 @@ def _cluster(distributed: Any, workers: int, folder: str) -> Any:
             f"the workers of this machine do not start ({error}); a script that sweeps has to do so under "
             'if __name__ == "__main__":, for each worker reads it'
         ) from error
+
+
+def workers_here(asked: int | None) -> int:
+    """Return the number of workers on this machine where so many are asked for: by default one for each core."""
+    return asked or available_cores()
 
 
 def threads_of(client: Any) -> int:

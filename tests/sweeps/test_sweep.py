@@ -252,9 +252,11 @@ def test_the_command_tells_what_it_did_and_what_is_foreseen(study, tmp_path, sch
 
     usual = SweepOptions
     monkeypatch.setattr(module, "SweepOptions", lambda *how, **more: replace(usual(*how, **more), function=pretend))
+    monkeypatch.setattr("ngcell.sweeps.driver.available_cores", lambda: 3)  # of a machine that has more
     words = ["sweep", str(study), "--out", str(tmp_path / "out"), "--scheduler", scheduler]
     dry = CliRunner().invoke(command, [*words, "--dry-run"])
     assert dry.exit_code == 0 and "6, of which 6 have to be run" in dry.stdout and not (tmp_path / "out").exists()
+    assert "for 3 at a time" in dry.stdout and "on 3 workers here" in dry.stdout
     answer = CliRunner().invoke(command, words)
     assert answer.exit_code == 0, answer.output
     assert "6: 6 certified" in answer.stdout and "6 now, 0 were in the store" in answer.stdout
