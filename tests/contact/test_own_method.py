@@ -65,3 +65,8 @@ def test_a_method_is_what_the_protocol_names(shares):
 def test_multipliers_need_a_stage_that_leads_to_them():
     with pytest.raises(ngcell.CaseError, match="one stage has multipliers"):
         solved(OwnContact(1.0, has_multipliers=True))
+
+
+def test_a_law_that_is_no_function_is_refused_in_words():
+    with pytest.raises(ngcell.CaseError, match="law = None; allowed: a function"):
+        ngcell.NormalLaw(None)
