@@ -26,11 +26,20 @@ def test_points_on_the_border_of_the_middle_half_do_not_depend_on_round_off(edge
         assert np.array_equal(find_facing(moved, tolerance=1e-3).is_middle, found.is_middle)
 
 
-def test_what_faces_a_curved_wall_does_not_go_with_the_mesh():
-    def facing_length(factor: float) -> float:
-        sets = [f"mesh.size={3 * factor}", f"mesh.refine=[{{at=[0, 0], within=1.5, size={0.05 * factor}}}]"]
-        case = ngcell.read_case("hertz-half-cylinder", ["accuracy=inf", *sets])
-        return float(Simulation(case).setup.facing.weight.sum())
+def half_cylinder(factor: float, order: int = 2) -> Simulation:
+    """Return a half-cylinder on a block, with so many times the sizes of elements of the shipped case."""
+    sets = [f"mesh.size={3 * factor}", f"mesh.refine=[{{at=[0, 0], within=1.5, size={0.05 * factor}}}]"]
+    return Simulation(ngcell.read_case("hertz-half-cylinder", ["accuracy=inf", f"mesh.order={order}", *sets]))
 
-    lengths = [facing_length(factor) for factor in (0.5, 1.0, 2.0)]
-    assert max(lengths) < 1.005 * min(lengths)
+
+def test_what_faces_a_curved_wall_does_not_go_with_the_mesh():
+    lengths = [half_cylinder(factor).setup.facing.weight.sum() for factor in (0.5, 1.0, 2.0)]
+    assert max(lengths) < 1.0005 * min(lengths)
+
+
+def test_the_mean_gap_of_a_curved_wall_goes_with_neither_order_nor_size_of_elements():
+    found = []
+    for factor, order in ((2.0, 2), (2.0, 4), (1.0, 2)):
+        *_, step = half_cylinder(factor, order).accepted_steps()
+        found.append(step.record.mean_gap)
+    assert max(found) < 1.003 * min(found)

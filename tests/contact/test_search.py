@@ -156,7 +156,7 @@ def test_facing_gaps_follow_the_walls_wherever_they_slide():
     np.testing.assert_allclose(gaps, 2.0, atol=1e-12)  # far beyond the reach of contact
     positions = tissue.positions(tissue.body_translation(1, np.array([0.5, 3.0])))
     gaps = facing.gaps(tissue.walls, tissue.walls.nodes(positions))
-    point = (tissue.walls.quadrature_values @ tissue.walls.nodes(positions))[facing.facet, facing.quadrature_point]
+    point = tissue.walls.places(facing.facet, facing.xi, tissue.walls.nodes(positions))
     centres = tissue.lattice.centres + [[0, 0], [0.5, 3.0]]
     outlines = [Polygon(centre + tissue.lattice.corners) for centre in centres]
     expected = [outlines[other].distance(Point(at)) for other, at in zip(facing.other, point, strict=True)]

@@ -154,7 +154,7 @@ class PenaltyContact:
     @cached_property
     def _finer(self) -> PairSearch | None:
         """The search by the finer rule, if there is one; made when penalty terms that adapt first overlap."""
-        points = self.walls.halved()
+        points = self.walls.divided(2)
         return None if points is None else self.searching(points)
 
     @property
@@ -271,7 +271,7 @@ class PenaltyContact:
 
     def _mixed_search(self) -> PairSearch:
         """Return the search by the finer rule on bodies that have it, and by the usual one on others."""
-        finer = self.walls.halved()
+        finer = self.walls.divided(2)
         assert finer is not None
         return self.searching(chosen_points(finer, self.walls.quadrature, self._is_refined[self.walls.body]))
 

@@ -11,7 +11,7 @@ has slid, so a parted pair keeps a gap however far it is apart.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ngcell.contact.pairing.near import Reach, facing, near_facets
 from ngcell.contact.pairing.search import nearest_on_body
-from ngcell.contact.surface.surface import Surface
+from ngcell.contact.surface.surface import Surface, SurfacePoints
 from ngcell.geometry.near import components, near_pairs
 
 Array = NDArray[np.float64]
@@ -31,6 +31,9 @@ _SAME = 1e-4
 _OPPOSITE = -0.9
 #: Share of the distance up to which facets face each other, within which their middles touch.
 _TOUCHING = 1e-6
+#: Parts into which facets that do not touch are divided: with four, means of a half-cylinder's gaps on elements of
+#: one and two times the size, of order 2 to 6, agree to 0.1 %.
+_PARTS = 4
 #: Share of the wall's thickness by which a facet is moved to see whether it comes nearer.
 _PROBE = 1e-5
 #: Share of the middle half of a wall, at its ends, whose points do not count: round-off would decide where they lie.
@@ -49,8 +52,10 @@ class FacingWalls:
         Thickness of the thinner body of each pair [length].
     pair : array of int, shape (points,)
         Pair that each point belongs to; every wall contributes its own points.
-    facet, quadrature_point : array of int, shape (points,)
-        Facet and quadrature point.
+    facet : array of int, shape (points,)
+        Facet.
+    xi : array of float, shape (points,), on faces (points, 2)
+        Coordinates on it.
     other : array of int, shape (points,)
         Body that the point faces.
     weight : array of float, shape (points,)
@@ -64,15 +69,14 @@ class FacingWalls:
     thickness: Array
     pair: Index
     facet: Index
-    quadrature_point: Index
+    xi: Array
     other: Index
     weight: Array
     is_middle: NDArray[np.bool_]
 
     def gaps(self, walls: Surface, nodes: Array) -> Array:
         """Return the gap of each point [length], open > 0, at the walls' deformed nodes."""
-        point = (walls.quadrature_values @ nodes)[self.facet, self.quadrature_point]
-        return nearest_on_body(walls, nodes, point, self.other)
+        return nearest_on_body(walls, nodes, walls.places(self.facet, self.xi, nodes), self.other)
 
     def between_held(self, free_bodies: Sequence[int]) -> NDArray[np.bool_]:
         """Return which points are on walls between bodies that something holds, shape (points,)."""
@@ -99,26 +103,26 @@ def find_facing(walls: Surface, tolerance: Reach, reach: Reach = 0.0) -> FacingW
     found = touching.joined(further.chosen(~known))
     pairs, pair = np.unique(found.bodies(walls), axis=0, return_inverse=True)
     pair = pair.ravel()
-    place = (walls.quadrature_values @ walls.rest)[found.facet, found.point]
+    place = walls.places(found.facet, found.xi, walls.rest)
     is_middle = _in_middle_half(2 * pair + (walls.body[found.facet] > found.other), place)
     thickness = walls.thickness[pairs].min(1)
-    return FacingWalls(pairs, thickness, pair, found.facet, found.point, found.other, found.weight, is_middle)
+    return FacingWalls(pairs, thickness, pair, found.facet, found.xi, found.other, found.weight, is_middle)
 
 
 @dataclass(frozen=True, eq=False)
 class _Points:
-    """Quadrature points of facets, and the bodies that they face; arrays of shape (points,)."""
+    """Points of facets, and the bodies that they face; attributes as for `FacingWalls`."""
 
     facet: Index
-    point: Index
+    xi: Array
     other: Index
     weight: Array
 
     def chosen(self, which: Any) -> _Points:
-        return _Points(self.facet[which], self.point[which], self.other[which], self.weight[which])
+        return _Points(self.facet[which], self.xi[which], self.other[which], self.weight[which])
 
     def joined(self, others: _Points) -> _Points:
-        mine, theirs = ((one.facet, one.point, one.other, one.weight) for one in (self, others))
+        mine, theirs = ((one.facet, one.xi, one.other, one.weight) for one in (self, others))
         return _Points(*(np.concatenate(both) for both in zip(mine, theirs, strict=True)))
 
     def bodies(self, walls: Surface) -> Index:
@@ -129,8 +133,9 @@ class _Points:
 def _within(walls: Surface, distance: Reach) -> _Points:
     """Return the points that face a body up to a distance [length] on either side.
 
-    Their weight falls with the square of the distance, to 0 where they are too far: a sharp end would lie elsewhere
-    with other elements. Facets whose middle touches are taken as a whole, and none whose middle is too far.
+    Facets whose middle touches are taken as a whole. On others the weight of a point falls with the square of its
+    distance, to 0 where it is too far, and the rule is finer: neither a sharp end nor a weight whose slope jumps
+    within a facet may lie elsewhere with other elements.
     """
     one, two = near_facets(walls, walls.rest, distance)
     opposite = facing(walls, walls.rest, one, two, _OPPOSITE)
@@ -138,16 +143,23 @@ def _within(walls: Surface, distance: Reach) -> _Points:
     facet, body = np.unique(np.column_stack([one, walls.body[two]])[opposite], axis=0).T
     limit = np.minimum(of_body[walls.body[facet]], of_body[body])
     away = np.abs(nearest_on_body(walls, walls.rest, walls.centres(walls.rest)[facet], body))
-    near = away <= limit  # others may touch at a corner
-    facet, body, limit, touches = facet[near], body[near], limit[near], (away <= _TOUCHING * limit)[near]
-    count = len(walls.quadrature_points)
-    share = np.ones((len(facet), count))
-    place = (walls.quadrature_values @ walls.rest)[facet[~touches]].reshape(-1, walls.dimension)
-    gap = nearest_on_body(walls, walls.rest, place, np.repeat(body[~touches], count)).reshape(-1, count)
-    share[~touches] = 1 - (gap / limit[~touches, None]) ** 2
-    weight = walls.weights[facet] * np.maximum(share, 0)
-    row, point = np.nonzero(weight)
-    return _Points(facet[row], point, body[row], weight[row, point])
+    touches = away <= _TOUCHING * limit
+    whole = _rows_on(walls.quadrature, facet[touches], body[touches])
+    finer = walls.divided(_PARTS) or walls.quadrature
+    ahead = ~touches & ((away <= limit) | ~np.isin(facet, facet[touches]))  # behind what touches lies no other
+    part = _rows_on(finer, facet[ahead], body[ahead])
+    gap = nearest_on_body(walls, walls.rest, walls.places(part.facet, part.xi, walls.rest), part.other)
+    of_points = np.minimum(of_body[walls.body[part.facet]], of_body[part.other])
+    weight = part.weight * np.maximum(1 - (gap / of_points) ** 2, 0)
+    return whole.joined(replace(part, weight=weight).chosen(weight > 0))
+
+
+def _rows_on(rule: SurfacePoints, facet: Index, other: Index) -> _Points:
+    """Return the points of a rule on facets, which face other bodies, both (rows,)."""
+    first, end = (np.searchsorted(rule.facet, facet, side=side) for side in ("left", "right"))
+    row = np.repeat(np.arange(len(facet)), end - first)
+    point = np.arange(len(row)) - np.repeat(np.cumsum(end - first) - end, end - first)
+    return _Points(facet[row], rule.xi[point], other[row], rule.weight[point])
 
 
 def _facing_ahead(walls: Surface, found: _Points) -> _Points:

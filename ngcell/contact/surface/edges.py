@@ -68,12 +68,15 @@ class EdgeSurface(Surface):
         exterior_angle[one] = exterior_angle[two] = angle
         return exterior_angle.reshape(-1, 2)
 
-    def halved(self) -> SurfacePoints:
-        """Return the quadrature points of the rule that takes each half of an edge as an edge."""
+    def divided(self, parts: int) -> SurfacePoints:
+        """Return the quadrature points of the rule that takes each of so many equal parts of an edge as an edge."""
         first, share = lobatto(len(self.quadrature_points))
-        xi = np.concatenate([first / 2, 0.5 + first[1:] / 2])
-        share = np.concatenate([share, np.zeros(len(share) - 1)]) + np.concatenate([np.zeros(len(share) - 1), share])
-        return self.on_each_facet(xi, share / 2 * self.stretch(self.rest, xi))
+        xi, weight = np.zeros(1), np.zeros(1)
+        for part in range(parts):  # the point between two parts is one point
+            xi = np.append(xi, (part + first[1:]) / parts)
+            weight[-1] += share[0] / parts
+            weight = np.append(weight, share[1:] / parts)
+        return self.on_each_facet(xi, weight * self.stretch(self.rest, xi))
 
 
 def find_edges(bodies: BodyMesh, scalar_space: ngsolve.H1, rest: Array) -> EdgeSurface:

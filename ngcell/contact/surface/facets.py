@@ -81,8 +81,8 @@ class FacetSurface(Surface):
         exterior_angle[joints.facet, joints.side] = angle[:, None]
         return exterior_angle
 
-    def halved(self) -> None:
-        """Return None: the rules on faces have no halves."""
+    def divided(self, parts: int) -> None:
+        """Return None: faces are not divided."""
 
     @cached_property
     def domains(self) -> Array:

@@ -138,8 +138,11 @@ class Surface(ABC):
         """Return `exterior_angle` at deformed nodes of shape (facets, nodes, dimension)."""
 
     @abstractmethod
-    def halved(self) -> SurfacePoints | None:
-        """Return the quadrature points of the rule that takes each half of a facet as a facet, if there is one."""
+    def divided(self, parts: int) -> SurfacePoints | None:
+        """Return the quadrature points of the rule that takes each of equal parts of a facet as a facet.
+
+        None where there is no such rule.
+        """
 
     def may_touch(self, one: Index, two: Index) -> NDArray[np.bool_]:
         """Return whether contact acts between facets of each pair, both (pairs,): between those of different bodies."""
