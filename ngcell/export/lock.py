@@ -37,8 +37,9 @@ class FolderLock:
             if self._is_current():
                 break
             os.close(self._handle)  # it was removed by its last holder between our opening and our locking it
-        os.truncate(self._handle, 0)
-        os.write(self._handle, f"process {os.getpid()} on {socket.gethostname()}".encode())
+        with suppress(OSError):  # a full disk: the folder is held without the holder's name
+            os.truncate(self._handle, 0)
+            os.write(self._handle, f"process {os.getpid()} on {socket.gethostname()}".encode())
 
     def release(self) -> None:
         """Let others have it."""

@@ -91,3 +91,15 @@ def test_a_run_without_an_accepted_step_gives_way_to_any(tmp_path, make_record):
         folder.accept(make_record(1))
     assert read_summary(tmp_path)["accepted_steps"] == 1
     assert (tmp_path / "case.toml").read_text() == "a = 2"
+
+
+def test_a_full_disk_is_no_reason_not_to_hold_a_folder(tmp_path, monkeypatch):
+    def full(handle, text):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("ngcell.export.lock.os.write", full)
+    lock = FolderLock(tmp_path)
+    with pytest.raises(OutputError, match="in use: another process"):
+        FolderLock(tmp_path)
+    lock.release()
+    assert not (tmp_path / LOCK).exists()

@@ -53,6 +53,11 @@ def test_squeezed_cells_press_on_each_other():
         ([(0, 0), (1, 1), (1, 0), (0, 1)], 0.1, "polygon 0: Self-intersection.*allowed: a simple polygon"),
         (SQUARE, 0.5, "leaves no single lumen; allowed: 0 < wall < 0.5"),
         (SQUARE, 0.0, "leaves no single lumen; allowed: 0 < wall < 0.5"),
+        (SQUARE[:2], 0.1, "polygon 0: .*allowed: three corners or more"),
+        ([*SQUARE, (0.5,)], 0.1, "polygon 0: .*allowed: three corners or more"),
+        ([(0, 0), (1, 0), (inf, 1)], 0.1, "polygon 0: .*allowed: three corners or more"),
+        ([(0, 0, 0), (1, 0, 0), (1, 1, 0)], 0.1, r"polygon 0: .*\(x, y\) each"),
+        ("outline", 0.1, "polygon 0: 'outline'; allowed: three corners or more"),
     ],
 )
 def test_what_is_no_cell_is_refused(polygon, wall, says):

@@ -50,7 +50,7 @@ class PolygonTissue:
     Raises
     ------
     GeometryError
-        If an outline crosses itself, or its lumen closes or falls apart.
+        If an outline is no list of corners or crosses itself, or its lumen closes or falls apart.
     """
 
     polygons: Sequence[Sequence[Point]]
@@ -58,6 +58,9 @@ class PolygonTissue:
     name: str = "cell"
 
     def __post_init__(self) -> None:
+        for number, corners in enumerate(self.polygons):
+            if not _are_corners(corners):
+                raise GeometryError(f"polygon {number}: {corners!r:.80}; allowed: three corners or more, (x, y) each")
         for number, outline in enumerate(self._outlines):
             if not outline.is_valid or outline.is_empty:
                 raise GeometryError(f"polygon {number}: {shapely.is_valid_reason(outline)}; allowed: a simple polygon")
@@ -105,6 +108,14 @@ class PolygonTissue:
         for twins in near_pairs(np.concatenate(middles), _SAME * shortest):
             is_outer[twins] = False
         return np.split(is_outer, np.cumsum([len(cell) for cell in middles])[:-1])
+
+
+def _are_corners(corners: Any) -> bool:
+    try:
+        places = np.asarray(corners, dtype=float)
+    except (TypeError, ValueError):
+        return False
+    return places.ndim == 2 and len(places) >= 3 and places.shape[1] == 2 and bool(np.isfinite(places).all())
 
 
 def _corners(polygon: shapely.Polygon) -> Array:
