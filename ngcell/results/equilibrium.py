@@ -28,6 +28,8 @@ Array = NDArray[np.float64]
 
 #: A body is held by nothing if the contacts press it no more than this multiple of what the proximal term pulls.
 HELD = 10.0
+#: A body that is pressed between two others may press them with so many times that: a wedge of 20 degrees does.
+_WEDGED = 3.0
 #: A wall counts as open where its gap exceeds this share of the wall's thickness.
 OPEN = 1e-2
 #: Share of the force in play below which walls do not press on each other.
@@ -163,7 +165,11 @@ def mean_and_largest(facing: FacingWalls, gap: Array, chosen: NDArray[np.bool_])
 def _held_by_nothing(
     problem: Problem, setup: Setup, forces: ContactForces, proximal_force: Array, unbalanced: Array
 ) -> tuple[int, ...]:
-    """Return the bodies that contacts press by hardly more than what pulls them, and than what is not balanced yet."""
+    """Return the bodies that contacts press by hardly more than what pulls them, and than what is not balanced yet.
+
+    What bodies that nothing holds are pulled by they hand on to those that they lean on, from one to the next: where
+    dozens are loose, the last of them are pressed by the pulls of all, and by nothing else.
+    """
     if not problem.unknowns.lets_bodies_part:
         return ()
     pull, left = (np.linalg.norm(problem.space.resultants(part), axis=1) for part in (proximal_force, unbalanced))
@@ -172,5 +178,10 @@ def _held_by_nothing(
     free = forces.pressed <= np.maximum(HELD * pull + left, LIMITS["residual"] * largest)
     # A support holds a body if it leaves it no direction: mirrored prisms may still move in the plane.
     body, count = problem.space.body_of_unknown, len(free)
-    free[np.all([np.bincount(body[fixed], minlength=count) > 0 for fixed in setup.motion.fixed], axis=0)] = False
+    is_supported = np.all([np.bincount(body[fixed], minlength=count) > 0 for fixed in setup.motion.fixed], axis=0)
+    free, known = free & ~is_supported, -1
+    while known < free.sum():
+        known, leaning = int(free.sum()), forces.from_bodies(free)
+        explained = HELD * pull + left + _WEDGED * leaning
+        free |= ~is_supported & (forces.pressed - leaning <= explained)
     return tuple(int(body) for body in np.flatnonzero(free))

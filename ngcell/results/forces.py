@@ -56,6 +56,14 @@ class ContactForces:
         """Return the sum of the magnitudes of the normal contact forces between the bodies of each pair, (pairs,)."""
         return self._of(pairs, self.normal)
 
+    def from_bodies(self, chosen: NDArray[np.bool_]) -> Array:
+        """Return the sum of the magnitudes of the forces between each body and chosen others, shape (bodies,)."""
+        size, (one, two) = np.linalg.norm(self.force, axis=1), self.bodies.T
+        found = np.zeros(len(chosen))
+        np.add.at(found, one, np.where(chosen[two], size, 0.0))
+        np.add.at(found, two, np.where(chosen[one], size, 0.0))
+        return found
+
     def _of(self, pairs: NDArray[np.int64], sizes: Array) -> Array:
         known = {(int(one), int(two)): float(size) for (one, two), size in zip(self.bodies, sizes, strict=True)}
         return np.array([known.get((int(one), int(two)), 0.0) for one, two in pairs])

@@ -184,5 +184,6 @@ def test_what_counts_as_nothing_of_prisms_is_the_same_in_any_unit(unit):
     lattice = ["tissue.rows=1", "tissue.cols=1", f"tissue.side={unit}", f"tissue.wall={0.2 * unit}"]
     prism = Simulation(read_case("shear-empty-3d", [*lattice, f"tissue.height={unit}", "expected=[]"]))
     one = scales_of(prism.space, 2.0, 0.0)
-    assert one.force / unit**2 == pytest.approx(1e-4 * 2.0 * 0.2**2, rel=1e-9)
+    volume = 1.5 * np.sqrt(3) * (1 - (1 - 0.4 / np.sqrt(3)) ** 2)
+    assert one.force / unit**2 == pytest.approx(1e-4 * 2.0 * 0.2 * np.sqrt(volume / 0.2), rel=1e-9)
     assert one.thickness == pytest.approx(0.2 * unit, rel=1e-9)

@@ -5,12 +5,16 @@ Where a free cell lies is up to the proximal term that holds it still, and says 
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import ngcell
 from ngcell.build.simulation import Simulation
+from ngcell.results import equilibrium
 from ngcell.results.equilibrium import Balance, balance_of
+from ngcell.results.forces import ContactForces
 
 PLAIN = ["load.levels=1", "mesh.order=2", "accuracy=inf"]
 SCENES = {
@@ -60,3 +64,24 @@ def test_a_contact_that_is_not_balanced_yet_holds_nothing():
                 pressed += 1
                 assert body in found.free_bodies
     assert pressed
+
+
+def test_what_dozens_of_loose_cells_hand_on_to_each_other_holds_none_of_them(monkeypatch):
+    """Thirty cells in a row, each pulled towards the next, lean on three that press each other."""
+    loose, count, pull = 30, 33, 1e-4
+    ends = np.array([*((cell, cell + 1) for cell in range(loose)), (30, 31), (31, 32)])
+    sizes = np.array([*(pull * (cell + 1) for cell in range(loose)), 1.0, 1.0])
+    forces = ContactForces(
+        bodies=ends,
+        force=sizes[:, None] * [-1.0, 0.0],
+        on_body=np.zeros((count, 2)),
+        pressed=np.bincount(ends.ravel(), np.repeat(sizes, 2)),
+        normal=sizes,
+    )
+    pulls = np.where(np.arange(count) < loose, pull, 0.0)[:, None] * [1.0, 0.0]
+    space = SimpleNamespace(resultants=lambda part: part, body_of_unknown=np.arange(count))
+    problem = SimpleNamespace(unknowns=SimpleNamespace(lets_bodies_part=True), space=space)
+    setup = SimpleNamespace(modulus=1.0, motion=SimpleNamespace(fixed=np.zeros((2, count), dtype=bool)))
+    monkeypatch.setattr(equilibrium, "scales_of", lambda *_: SimpleNamespace(force=1.0))
+    found = equilibrium._held_by_nothing(problem, setup, forces, pulls, 0 * pulls)
+    assert found == tuple(range(loose))
