@@ -4,14 +4,13 @@ The energy of one quadrature point with gap g, weight w and stiffness k is ``k w
 pair are primary in turn, so that no wall is preferred, and each pass has half of the stiffness.
 
 The stiffness is that of the layer of elements behind the wall, ``k = multiple * M / depth`` with the plane-strain
-modulus M of the softer body of the pair: a contact pressure p then overlaps the walls by about ``p / k``,
-which is what p does to the thickness of `1 / multiple` such layers. Where that is not enough (a wall may be much
-stiffer than its layer, as on a filled cell or a thick ring), penalty terms that took over from softer ones adapt: at an
-equilibrium whose overlaps are too deep, or store too large a share of the energy, they are made stiffer and the
-equilibrium is sought again. Where walls bend so much that they sink in between the points of the rule, the rule is
-made finer instead, once, if the surface has a finer one. Each group of bodies that touch is judged by itself: by the
-thickness of the bodies that meet, and by what the group stores. What happens elsewhere changes nothing. Along a load
-path whose steps follow each other the rule is made finer in good time, and both are remembered from step to step.
+modulus M of the softer body of the pair: a contact pressure p then overlaps the walls by about ``p / k``, what p does
+to the thickness of `1 / multiple` such layers. Where that is not enough, as on a filled cell or a thick ring, penalty
+terms that took over from softer ones adapt: at an equilibrium whose overlaps are too deep, or store too large a share
+of the energy, they are made stiffer and it is sought again. Where walls bend so much that they sink in between the
+points of the rule, the rule is made finer instead, once, if the surface has a finer one. Each group of bodies that
+touch is judged by itself: by the thickness of the bodies that meet, and by what the group stores. Along a load path
+whose steps follow each other the rule is made finer in good time, and both are remembered from step to step.
 """
 
 from __future__ import annotations
@@ -41,8 +40,8 @@ Index = NDArray[np.int64]
 
 #: Overlap over the thinner body's thickness that a certificate allows. Overlaps below `NO_OVERLAP` of it are none.
 DEEP, NO_OVERLAP = 0.02, 1e-7
-#: The same between the points of the rule, where it is made finer in good time.
-_EARLY = DEEP / 2
+#: The same between the points of the rule, where it is made finer in good time; and how far equal factors may differ.
+_EARLY, _SAME = DEEP / 2, 1e-9
 #: Factor by which penalty terms that are too soft are made stiffer, and the most that all such factors make. The
 #: derived stiffness is that of a layer that may spread along the wall; one that is confined is stiffer by the ratio of
 #: bulk to shear modulus, and is followed up to a ratio of 1e8.
@@ -174,7 +173,7 @@ class PenaltyContact:
 
     def stiffen(self) -> bool:
         """Make the penalty terms of all bodies stiffer, if any may be; tell whether."""
-        may = STIFFEN * self.raised * self._options.penalty_multiple <= self._options.most_multiple * (1 + 1e-9)
+        may = STIFFEN * self.raised * self._options.penalty_multiple <= self._options.most_multiple * (1 + _SAME)
         self._softer, by = self._factor, STIFFEN if may else 1.0
         self._factor, self._firm = self._factor * by, self._firm * by
         return may
@@ -187,7 +186,8 @@ class PenaltyContact:
         """Have at least the stiffness of a coarser mesh, without what turned out too soft there only."""
         self._firm, theirs = coarse._firm, np.zeros_like(self._factor)
         np.maximum.at(theirs, coarse.walls.body, self._firm * coarse._derived)
-        np.maximum.at(self._factor, self.walls.body, theirs[self.walls.body] / self._derived)
+        ratio = theirs[self.walls.body] / self._derived
+        np.maximum.at(self._factor, self.walls.body, np.where(ratio > 1 + _SAME, ratio, 1.0))
 
     def pair(self, positions: Array) -> PenaltySet:
         """Find all contact pairs at `positions`, unknowns of shape (dimension, scalar unknowns)."""
