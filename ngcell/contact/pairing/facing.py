@@ -32,7 +32,7 @@ _OPPOSITE = -0.9
 #: Share of the distance up to which facets face each other, within which their middles touch.
 _TOUCHING = 1e-6
 #: Parts into which facets that do not touch are divided: with four, means of a half-cylinder's gaps on elements of
-#: one and two times the size, of order 2 to 6, agree to 0.1 %.
+#: one and two times the size, of order 2 to 6, agree to 0.2 %.
 _PARTS = 4
 #: Share of the wall's thickness by which a facet is moved to see whether it comes nearer.
 _PROBE = 1e-5
