@@ -120,7 +120,7 @@ class ContinuationOptions:
     most_updates: int = 40
     foreseen: float = 1e-3
     missed_work: float = 1e-7
-    cycling: int = 200
+    cycling: int = 500
     slow: float = 0.1
     nothing: float = 1e-11
     farthest: float = 2.0
