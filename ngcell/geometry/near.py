@@ -43,9 +43,9 @@ def near_pairs(points: Array, reach: float) -> tuple[Index, Index]:
     order = np.argsort(box, kind="stable")
     box = box[order]
     place = np.arange(len(box))
-    found = [_ranges(place, place + 1, np.searchsorted(box, box + 1, "right"))]
+    found = [ranges(place, place + 1, np.searchsorted(box, box + 1, "right"))]
     found += [
-        _ranges(
+        ranges(
             place,
             np.searchsorted(box, box + translation - 1, "left"),
             np.searchsorted(box, box + translation + 1, "right"),
@@ -75,7 +75,7 @@ def components(count: int, one: Index, two: Index) -> Index:
     return np.asarray(np.unique(root, return_inverse=True)[1].ravel(), dtype=np.int64)
 
 
-def _ranges(of: Index, first: Index, end: Index) -> tuple[Index, Index]:
+def ranges(of: Index, first: Index, end: Index) -> tuple[Index, Index]:
     """Return each number of `of` as often as its range is long, and beside it the numbers of the range."""
     length = np.maximum(end - first, 0)
     within = np.arange(length.sum()) - np.repeat(np.cumsum(length) - length, length)

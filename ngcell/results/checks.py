@@ -93,13 +93,14 @@ class NodalForces:
 def scales_of(space: DisplacementSpace, modulus: float, stored: float) -> Scales:
     """Return what counts as nothing: force and energy of a wall of the softest shear modulus that is hardly strained.
 
-    The section that bears the force is in the plane the thickness, and of a solid the thickness times a length: that of
-    a square of the area which a mean body has at this thickness.
+    The section that bears the force is in the plane the thickness, and of a solid the thickness times a length: the
+    side of a square of the area that a body has at its own thickness, of the body where it is shortest.
     """
-    volume, thickness = float(space.one @ space.scalar_mass @ space.one), space.bodies.thickness
-    length = np.sqrt(volume / space.body_count / thickness) if space.dimension == 3 else 1.0
-    force = _SMALL_STRAIN * modulus * thickness * float(length)
-    return Scales(force, _SMALL_STRAIN**2 * modulus * volume, thickness, stored)
+    share, thickness = space.one * (space.scalar_mass @ space.one), space.bodies.thickness
+    area = np.bincount(space.body_of_unknown, share, space.body_count) / space.bodies.thickness_of_body
+    length = float(np.sqrt(area.min())) if space.dimension == 3 else 1.0
+    force = _SMALL_STRAIN * modulus * thickness * length
+    return Scales(force, _SMALL_STRAIN**2 * modulus * float(share.sum()), thickness, stored)
 
 
 def certify(

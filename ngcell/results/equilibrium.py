@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 
 #: A body is held by nothing if the contacts press it no more than this multiple of what the proximal term pulls.
 HELD = 10.0
-#: A body that is pressed between two others may press them with so many times that: a wedge of 20 degrees does.
+#: A body that is pressed between two others may press both with so many times that: as a wedge of 39 degrees does.
 _WEDGED = 3.0
 #: A wall counts as open where its gap exceeds this share of the wall's thickness.
 OPEN = 1e-2

@@ -40,8 +40,8 @@ Index = NDArray[np.int64]
 
 #: Overlap over the thinner body's thickness that a certificate allows. Overlaps below `NO_OVERLAP` of it are none.
 DEEP, NO_OVERLAP = 0.02, 1e-7
-#: The same between the points of the rule, where it is made finer in good time; and how far equal factors may differ.
-_EARLY, _SAME = DEEP / 2, 1e-9
+#: The same between the points of the rule, where it is made finer in good time.
+_EARLY = DEEP / 2
 #: Factor by which penalty terms that are too soft are made stiffer, and the most that all such factors make. The
 #: derived stiffness is that of a layer that may spread along the wall; one that is confined is stiffer by the ratio of
 #: bulk to shear modulus, and is followed up to a ratio of 1e8.
@@ -173,7 +173,7 @@ class PenaltyContact:
 
     def stiffen(self) -> bool:
         """Make the penalty terms of all bodies stiffer, if any may be; tell whether."""
-        may = STIFFEN * self.raised * self._options.penalty_multiple <= self._options.most_multiple * (1 + _SAME)
+        may = STIFFEN * self.raised * self._options.penalty_multiple <= self._options.most_multiple * (1 + 1e-9)
         self._softer, by = self._factor, STIFFEN if may else 1.0
         self._factor, self._firm = self._factor * by, self._firm * by
         return may
@@ -187,7 +187,7 @@ class PenaltyContact:
         self._firm, theirs = coarse._firm, np.zeros_like(self._factor)
         np.maximum.at(theirs, coarse.walls.body, self._firm * coarse._derived)
         ratio = theirs[self.walls.body] / self._derived
-        np.maximum.at(self._factor, self.walls.body, np.where(ratio > 1 + _SAME, ratio, 1.0))
+        np.maximum.at(self._factor, self.walls.body, np.where(np.isclose(ratio, 1.0), 1.0, ratio))
 
     def pair(self, positions: Array) -> PenaltySet:
         """Find all contact pairs at `positions`, unknowns of shape (dimension, scalar unknowns)."""

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from ngcell.contact.pairing.near import Reach, facing, near_facets
 from ngcell.contact.pairing.search import nearest_on_body
 from ngcell.contact.surface.surface import Surface, SurfacePoints
-from ngcell.geometry.near import components, near_pairs
+from ngcell.geometry.near import components, near_pairs, ranges
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -157,8 +157,7 @@ def _within(walls: Surface, distance: Reach) -> _Points:
 def _rows_on(rule: SurfacePoints, facet: Index, other: Index) -> _Points:
     """Return the points of a rule on facets, which face other bodies, both (rows,)."""
     first, end = (np.searchsorted(rule.facet, facet, side=side) for side in ("left", "right"))
-    row = np.repeat(np.arange(len(facet)), end - first)
-    point = np.arange(len(row)) - np.repeat(np.cumsum(end - first) - end, end - first)
+    row, point = ranges(np.arange(len(facet)), first, end)
     return _Points(facet[row], rule.xi[point], other[row], rule.weight[point])
 
 

@@ -23,6 +23,7 @@ from ngcell.contact.pairing.closest import classified, closest_points, nearest_c
 from ngcell.contact.pairing.near import NearFacets, Reach, reach_between
 from ngcell.contact.pairing.pairs import ContactPairs, joined
 from ngcell.contact.surface.surface import Surface, SurfacePoints
+from ngcell.geometry.near import ranges
 from ngcell.threads import at_once, parts_of
 
 Array = NDArray[np.float64]
@@ -113,10 +114,8 @@ def nearest_on_body(walls: Surface, nodes: Array, point: Array, body: Index) -> 
     """
     order = np.argsort(walls.body, kind="stable")
     first = np.searchsorted(walls.body[order], np.arange(walls.body.max(initial=0) + 2))
-    count = (first[1:] - first[:-1])[body]
-    row = np.repeat(np.arange(len(point)), count)
-    within = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
-    other = order[first[body[row]] + within]
+    row, place = ranges(np.arange(len(point)), first[body], first[body + 1])
+    other = order[place]
     chosen, xi, signed = _nearest(walls, nodes, row, other, point[row], np.inf)
     found = classified(walls, nodes, other[chosen], xi, point[row[chosen]])
     signed[~found.slid_past] *= found.sign[~found.slid_past]
