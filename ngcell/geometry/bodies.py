@@ -13,6 +13,8 @@ import ngsolve
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.geometry.rounded import Rounded
+
 #: Material region of what fills lumens.
 FILLING = "filling"
 #: Boundary region of the lumens, where nothing tells them apart.
@@ -58,6 +60,8 @@ class BodyMesh:
         first two nodes along the outer side of their layer, and the fourth behind the first on its inner side.
     rigid_count : int
         Number of rigid bodies, which are no cells: the last ones.
+    rounded : Rounded, optional
+        Elements that are to follow arcs, which displacements curve by their own order; by default none do.
     extent : array of float, shape (2, dimension)
         Smallest and largest coordinates [length].
     """
@@ -73,6 +77,7 @@ class BodyMesh:
     is_swept: bool = False
     thickness_of_body: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
     rigid_count: int = 0
+    rounded: Rounded | None = None
     extent: NDArray[np.float64] = field(init=False)
 
     def __post_init__(self) -> None:

@@ -19,6 +19,7 @@ from netgen.meshing import FaceDescriptor, Mesh
 from numpy.typing import NDArray
 
 from ngcell.geometry.bodies import BETWEEN, FILLING, LOWER_END, UPPER_END, BodyMesh
+from ngcell.geometry.rounded import Rounded
 from ngcell.geometry.sections import Section, along_walls, int32
 
 Index = NDArray[np.int64]
@@ -82,7 +83,10 @@ def prism_mesh(*sections: Section, height: float, slices: int, end_wall: float |
         inner_count = sum(counts) - sum(counts[: len(rings)])
         ends = [np.arange(count) >= ring for count, ring in zip(counts, rings, strict=False)]
         is_end_wall = np.concatenate([*ends, np.zeros(inner_count, dtype=bool)])
-    return section.body_mesh(mesh, counts, thickness, layers=layers, wall_names=walls, is_end_wall=is_end_wall)
+    return section.body_mesh(
+        mesh, counts, thickness, layers=layers, wall_names=walls, is_end_wall=is_end_wall,
+        rounded=_rounded(section, counts, layers, last),
+    )  # fmt: skip
 
 
 def along_and_up(bodies: BodyMesh) -> NDArray[np.float64]:
@@ -118,6 +122,18 @@ def _solids(section: Section, inner: Sequence[int], last: int) -> list[tuple[str
             parts.append(_swept(section.caps[number], count, (0, last - 1)))
         solids.append((name, np.concatenate(parts)))
     return solids
+
+
+def _rounded(section: Section, counts: Sequence[int], layers: int, last: int) -> Rounded | None:
+    """Return the hexahedra that follow arcs; regions of all cells, layer by layer, have so many elements."""
+    if section.rounded is None:
+        return None
+    quads = np.cumsum([len(quads) for name, quads in section.regions if name != FILLING])
+    cell = np.searchsorted(quads, section.rounded.element, side="right")
+    within = section.rounded.element - np.concatenate([[0], quads])[cell]
+    first = (np.cumsum(counts) - counts)[np.arange(layers) * len(quads) + cell[:, None]]
+    slices = within[:, None, None] * last + np.arange(last)
+    return section.rounded.repeated((first[..., None] + slices).reshape(len(cell), -1))
 
 
 def _faces(section: Section, inner: Sequence[int], last: int) -> list[tuple[str, Index]]:

@@ -4,9 +4,9 @@ A structured ring needs a fifth of the unknowns of a triangulation with the same
 neighbours node by node, and takes milliseconds. The lumen is the outline moved inwards by the thickness of the wall,
 each corner along its bisector; nodes stand at the same shares of a side of both.
 
-A corner radius rounds convex corners of the outer wall only; the arc is resolved by straight edges (`ARC_EDGES` to half
-a corner), which lie inside the true arc by less than one percent of the radius of a hexagon's. Whatever its angle, a
-corner loses the same length of wall on both sides: so neighbours part at the same node.
+A corner radius rounds convex corners of the outer wall only. Nodes stand on chords of the arc (`ARC_EDGES` to half a
+corner), and elements are curved to it from there. Whatever its angle, a corner loses the same length of wall on both
+sides: so neighbours part at the same node.
 
 Stresses are singular at the corners of the lumen, which are re-entrant. Graded elements shrink towards them
 geometrically, along the wall and through it: each grade adds a node on both sides of a corner, and from the second on a
@@ -24,15 +24,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.geometry.outlines import Outlines, following
+from ngcell.geometry.rounded import ARC_EDGES, Arcs, arcs_along, round_corners
 
-ARC_EDGES = 2
 #: Ratio of the sizes of elements from one grade to the next; 0.15 to 0.2 is best for corners (Schwab 1998, 4.5).
 GRADE = 0.2
 #: Largest share of a side from a corner to the first graded node; ratio of distances that leaves no sliver; digits in
 #: which places along a wall differ.
 WIDEST, _SLIVER, _DIGITS = 0.25, 1.3, 12
-#: Angle in radians below which a corner is none: nothing is rounded there.
-_STRAIGHT = 1e-3
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -50,11 +48,20 @@ class Rings:
         Side of the outlines that each node of a layer stands on; the first node of a side is its corner.
     counts : array of int, shape (cells,)
         Number of nodes of each cell's layers.
+    layers : array of float, shape (layers + 1,)
+        Where layers end, as shares of the wall from outside.
+    on_arc : array of int, shape (n,)
+        Nodes of a layer from which the outer wall goes on to the next along an arc.
+    arcs : Arcs, optional
+        These arcs; None where no corner is rounded.
     """
 
     nodes: Array
     side: Index
     counts: Index
+    layers: Array
+    on_arc: Index
+    arcs: Arcs | None = None
 
     @cached_property
     def cell(self) -> Index:
@@ -98,12 +105,15 @@ def sweep(
     on_side = np.array([len(part) for part in places])
     side, place = np.repeat(np.arange(len(places)), on_side), np.concatenate(places)
     outer = _along(outlines.corners, outlines, side, place)
-    if cut:
-        outer = _round_corners(outer, outlines, side, place, cut)
-    inner = _along(outlines.moved_inwards(wall), outlines, side, place)
-    share = layer_shares(layers, grading)[:, None, None]
     counts = np.bincount(outlines.cell, on_side, outlines.cell_count).astype(np.int64)
-    return Rings((1 - share) * outer + share * inner, side, counts)
+    on_arc, arcs = np.zeros(0, dtype=np.int64), None
+    if cut:
+        outer = round_corners(outer, outlines, side, place, cut)
+        on_arc, arcs = arcs_along(outer, outlines, side, place, cut, following(counts))
+    inner = _along(outlines.moved_inwards(wall), outlines, side, place)
+    shares = layer_shares(layers, grading)
+    share = shares[:, None, None]
+    return Rings((1 - share) * outer + share * inner, side, counts, shares, on_arc, arcs)
 
 
 def wall_parameters(side: float, cut: float, edges: int, corner: Sequence[float] = ()) -> Array:
@@ -161,28 +171,3 @@ def _side_places(outlines: Outlines, wall: float, cut: float, edges: Index, grad
 def _along(corners: Array, outlines: Outlines, side: Index, place: Array) -> Array:
     """Return the points at these places along the sides of polygons with these corners, shape (nodes, 2)."""
     return np.asarray(corners[side] + (corners[outlines.ahead] - corners)[side] * place[:, None])
-
-
-def _round_corners(sharp: Array, outlines: Outlines, side: Index, place: Array, cut: float) -> Array:
-    """Move the points of sharp outlines that corners lose onto the chords of the arcs."""
-    rounded = sharp.copy()
-    length = outlines.lengths[side]
-    ends = ((side, place * length, outlines.directions), (outlines.ahead[side], (1 - place) * length, None))
-    for corner, distance, onward in ends:
-        way = outlines.directions[outlines.behind] * -1 if onward is None else onward
-        near = (distance < cut * (1 - 1e-9)) & (outlines.exterior_angles[corner] > _STRAIGHT)
-        at, step = corner[near], distance[near] * (ARC_EDGES / cut)
-        before = np.minimum(np.floor(step + 1e-9), ARC_EDGES - 1)
-        one, two = (_on_arc(outlines, at, way[at], cut, (before + end) * (cut / ARC_EDGES)) for end in (0, 1))
-        share = (step - before)[:, None]
-        rounded[near] = (1 - share) * one + share * two
-    return rounded
-
-
-def _on_arc(outlines: Outlines, corner: Index, way: Array, cut: float, distance: Array) -> Array:
-    """Return the points of the arcs that lie towards their centres from points at a distance along a side; (n, 2)."""
-    half = outlines.exterior_angles[corner] / 2
-    radius, sharp = cut / np.tan(half), outlines.corners[corner]
-    centre = sharp + radius[:, None] * outlines.bisectors[corner]
-    ray = sharp + way * distance[:, None] - centre
-    return np.asarray(centre + ray * (radius / np.linalg.norm(ray, axis=1))[:, None])

@@ -19,6 +19,7 @@ from ngcell.geometry.filling import any_lumen_quads, lumen_quads
 from ngcell.geometry.lattice import WALLS
 from ngcell.geometry.outlines import Outlines
 from ngcell.geometry.rings import Rings, sweep
+from ngcell.geometry.rounded import Rounded
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -50,6 +51,8 @@ class Section:
         Quadrilaterals that close the lumen of each cell, where cells are to be closed.
     filling_counts : array of int, shape (cells,), optional
         Number of quadrilaterals that fill the lumen of each cell, where they are filled.
+    rounded : Rounded, optional
+        Quadrilaterals, numbered through all regions, that follow arcs, where corners are rounded.
     """
 
     points: Array
@@ -62,6 +65,7 @@ class Section:
     lumens: dict[str, Index]
     caps: list[Index] | None = None
     filling_counts: Index | None = None
+    rounded: Rounded | None = None
 
     def body_mesh(
         self,
@@ -72,9 +76,11 @@ class Section:
         layers: int = 1,
         wall_names: str | None = None,
         is_end_wall: NDArray[np.bool_] | None = None,
+        rounded: Rounded | None = None,
     ) -> BodyMesh:
         """Return the bodies of a mesh, from the numbers of elements of its regions, one after the other: those of all
-        cells, layer by layer, and that of all fillings. `wall_names` replace those of the section."""
+        cells, layer by layer, and that of all fillings. `wall_names` replace those of the section, and `rounded` tells
+        which elements follow arcs."""
         cells = layers * self.cell_count
         body = np.repeat(np.arange(cells), counts[:cells])
         filled, filling = self.filling_counts is not None, np.zeros(0, dtype=np.int64)
@@ -91,6 +97,7 @@ class Section:
             is_filling=np.repeat([False, True], [len(body), len(filling)]) if filled else None,
             is_end_wall=is_end_wall,
             is_swept=mesh.dim == 2,
+            rounded=rounded,
         )
 
 
@@ -137,7 +144,7 @@ def ring_section(
     is_inside = np.ones(len(points), dtype=bool)
     is_inside[number] = False
     points[number], points[is_inside] = rings.nodes, np.concatenate(inside)
-    regions = _ring_quads(number, rings, cells)
+    regions, rounded = _ring_quads(number, rings, cells)
     caps = [quads + start for quads, start in zip(fillings, first + (rows - 1) * rings.counts, strict=False)]
     if filled:
         regions.append((FILLING, np.concatenate(caps)))
@@ -153,6 +160,7 @@ def ring_section(
         lumens=hollow,
         caps=caps if closed else None,
         filling_counts=np.array([len(quads) for quads in caps]) if filled else None,
+        rounded=rounded,
     )
 
 
@@ -166,7 +174,8 @@ def ring_mesh(outlines: Outlines, **choices: Any) -> BodyMesh:
         for name, numbers in parts:
             region = mesh.AddRegion(name, dim=dimension)
             mesh.AddElements(dim=dimension, index=region, data=int32(numbers), base=0)
-    return section.body_mesh(mesh, [len(quads) for _, quads in section.regions], section.wall)
+    counts = [len(quads) for _, quads in section.regions]
+    return section.body_mesh(mesh, counts, section.wall, rounded=section.rounded)
 
 
 def along_walls(mesh: ngsolve.Mesh) -> Array:
@@ -204,13 +213,22 @@ def _fillings(rings: Rings) -> tuple[list[Array], list[Index]]:
     return [places for places, _ in found], [quads for _, quads in found]
 
 
-def _ring_quads(number: Index, rings: Rings, cells: int) -> list[tuple[str, Index]]:
-    """Return the quadrilaterals of each cell, layer by layer; nodes of layers have these numbers, (layers + 1, n)."""
+def _ring_quads(number: Index, rings: Rings, cells: int) -> tuple[list[tuple[str, Index]], Rounded | None]:
+    """Return the quadrilaterals of each cell, layer by layer, and those that follow arcs.
+
+    Nodes of layers have the given numbers, shape (layers + 1, n).
+    """
     outer, inner = number[:-1], number[1:]
     quads = np.stack([outer, outer[:, rings.ahead], inner[:, rings.ahead], inner], axis=-1).reshape(-1, 4)
-    quads = quads[np.argsort(quads[:, 0])]
-    parts = np.split(quads, np.cumsum((len(number) - 1) * rings.counts)[:-1])
-    return [(f"cell{cell}", part) for cell, part in zip(range(cells), parts, strict=True)]
+    order = np.argsort(quads[:, 0])
+    parts = np.split(quads[order], np.cumsum((len(number) - 1) * rings.counts)[:-1])
+    regions = [(f"cell{cell}", part) for cell, part in zip(range(cells), parts, strict=True)]
+    if rings.arcs is None:
+        return regions, None
+    place = np.argsort(order).reshape(outer.shape)[:, rings.on_arc].T
+    layer = np.tile(np.column_stack([rings.layers[:-1], rings.layers[1:]]), (len(place), 1))
+    each = np.repeat(np.arange(len(place)), len(outer))
+    return regions, Rounded(place.ravel(), rings.arcs.chosen(each), layer)
 
 
 def _named_edges(

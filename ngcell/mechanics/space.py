@@ -6,6 +6,8 @@ coordinates' own unknowns; it is imposed and recognised exactly, bubbles include
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cached_property
 
 import ngsolve
@@ -52,6 +54,9 @@ class DisplacementSpace:
         self.size = self.scalar.ndof
         self.dimension = bodies.dimension
         self._metric: tuple[float, sparse.csr_array] | None = None
+        self._curving = None if bodies.rounded is None else bodies.rounded.curving(bodies.mesh, order)
+        if self._curving is not None:
+            self.mesh.SetDeformation(self._curving)
 
     @property
     def unknowns(self) -> int:
@@ -64,6 +69,8 @@ class DisplacementSpace:
         points = np.array([vertex.point for vertex in self.mesh.vertices]).T
         rows = np.zeros((self.dimension, self.size))
         rows[:, : points.shape[1]] = points
+        if self._curving is not None:
+            return np.asarray(rows + self._curving.vec.FV().NumPy().reshape(rows.shape))
         if self.mesh.GetCurveOrder() <= 1:  # elements are straight: bubbles are none
             return rows
         field = ngsolve.GridFunction(self.scalar)
@@ -74,6 +81,18 @@ class DisplacementSpace:
         rows[np.abs(rows) < _NO_BUBBLE * np.abs(points).max()] = 0
         rows[:, : points.shape[1]] = points
         return rows
+
+    @contextmanager
+    def on_chords(self) -> Iterator[None]:
+        """Leave elements that follow arcs on the chords of these for a while."""
+        if self._curving is None:
+            yield
+            return
+        self.mesh.UnsetDeformation()
+        try:
+            yield
+        finally:
+            self.mesh.SetDeformation(self._curving)
 
     @cached_property
     def one(self) -> Array:

@@ -6,9 +6,13 @@ import ngsolve
 import numpy as np
 import pytest
 
-from ngcell.geometry import rings
+from ngcell.contact.surface.find import find_surface
+from ngcell.geometry import rings, rounded
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.rings import sweep
+from ngcell.geometry.tissues.honeycomb import Tissue
+from ngcell.mechanics.space import DisplacementSpace
+from ngcell.scene.mesh import MeshChoice
 from tests.tissues import small_tissue
 
 HEXAGON = 1.5 * np.sqrt(3)
@@ -31,19 +35,38 @@ def test_sharp_rings_have_the_area_of_the_hexagons_less_that_of_the_lumens(wall,
     assert mesh_area(tissue.bodies) == pytest.approx(6 * ring_area(wall), rel=1e-13)
 
 
-def test_rounded_rings_approach_the_area_with_round_corners_quadratically(monkeypatch):
+@pytest.mark.parametrize(("order", "rate"), [(1, 2), (2, 4), (3, 4)])
+def test_rounded_rings_approach_the_area_with_round_corners(monkeypatch, order, rate):
     errors = []
     for edges in (2, 4, 8):
-        monkeypatch.setattr(rings, "ARC_EDGES", edges)
-        tissue = small_tissue(1, 1, radius=0.3)
-        errors.append(ring_area(0.2, 0.3) - mesh_area(tissue.bodies))
-    assert 0 < errors[0] < 4e-3
-    rates = np.log2(np.array(errors[:-1]) / errors[1:])
-    np.testing.assert_allclose(rates, 2, atol=0.1)
+        for module in (rings, rounded):
+            monkeypatch.setattr(module, "ARC_EDGES", edges)
+        errors.append(mesh_area(small_tissue(1, 1, radius=0.3, order=order).bodies) / ring_area(0.2, 0.3) - 1)
+    assert 0 < abs(errors[0]) < (4e-3 if order == 1 else 2e-5)
+    rates = np.log2(np.abs(errors[:-1]) / np.abs(errors[1:]))
+    np.testing.assert_allclose(rates, rate, atol=0.1)
+
+
+@pytest.mark.parametrize("grading", [0, 1, 2])
+@pytest.mark.parametrize("height", [None, 0.7])
+def test_round_walls_turn_smoothly_and_their_coordinates_are_functions_of_the_space(height, grading):
+    tissue = Tissue(rows=2, cols=2, wall=0.1, corner_radius=0.3, height=height)
+    turns = []
+    for order in (1, 2, 3, 4):
+        space = DisplacementSpace(tissue.mesh("plates", MeshChoice(grading=grading)), order)
+        walls = find_surface(space.bodies, space.scalar, space.rest)
+        turns.append(np.degrees(np.abs(walls.exterior_angle).max()) if height is None else 0.0)
+        place = ngsolve.CF((ngsolve.x, ngsolve.y, ngsolve.z)[: space.dimension])
+        slope = ngsolve.Grad(space.function(space.rest.ravel())) - ngsolve.Id(space.dimension)
+        off = space.function(space.rest.ravel()) - place
+        assert ngsolve.Integrate(off * off, space.mesh) < 1e-28
+        assert ngsolve.Integrate(ngsolve.InnerProduct(slope, slope), space.mesh) < 1e-24
+    if height is None:
+        assert turns[0] > 13 and (np.array(turns[1:]) < (2, 0.2, 0.03)).all()
 
 
 @pytest.mark.parametrize("radius", [0.05, 0.3, 0.8])
-def test_rounded_outlines_stay_inside_the_true_arc_by_less_than_a_percent_of_the_radius(radius):
+def test_chords_of_arcs_stay_inside_by_less_than_a_percent_of_the_radius(radius):
     lattice = hexagonal_lattice(1, 1, side=1.0, pointy=True)
     outer = sweep(lattice.outlines, wall=0.2, radius=radius, edges=2, layers=1).nodes[0]
     points = np.linspace(outer, np.roll(outer, -1, axis=0), 21).reshape(-1, 2)
