@@ -50,5 +50,6 @@ def _parts(space: DisplacementSpace, finer: DisplacementSpace) -> NDArray[np.int
     """Return how many elements of a finer mesh lie in each element, shape (elements,)."""
     place = np.array([vertex.point for vertex in finer.mesh.vertices])
     middle = [place[[vertex.nr for vertex in element.vertices]].mean(0) for element in finer.mesh.Elements()]
-    number = space.mesh(*np.array(middle).T)["nr"]
+    with space.on_chords():
+        number = space.mesh(*np.array(middle).T)["nr"]
     return np.bincount(number[number >= 0], minlength=space.mesh.ne)
