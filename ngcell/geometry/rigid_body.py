@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.geometry.bodies import INDENTER, BodyMesh
+from ngcell.geometry.rounded import Arcs, Rounded
 from ngcell.geometry.sections import int32
 
 Array = NDArray[np.float64]
@@ -22,7 +23,7 @@ Array = NDArray[np.float64]
 _DEEPEST = 0.5
 
 
-def with_rigid_body(bodies: BodyMesh, outline: Array) -> BodyMesh:
+def with_rigid_body(bodies: BodyMesh, outline: Array, arcs: Arcs | None = None) -> BodyMesh:
     """Return the mesh with one more body, whose outline is the boundary region `INDENTER`, a wall.
 
     Parameters
@@ -31,6 +32,8 @@ def with_rigid_body(bodies: BodyMesh, outline: Array) -> BodyMesh:
         Bodies in the plane, of quadrilaterals.
     outline : array of float, shape (nodes, 2)
         Nodes of its outline, convex and anticlockwise [length].
+    arcs : Arcs, optional
+        Arcs that the outline follows from its first nodes on to the next; else it is a polygon.
     """
     mesh, count, first = bodies.mesh.ngmesh, len(outline), bodies.mesh.nv
     middle = (outline.min(0) + outline.max(0)) / 2
@@ -45,7 +48,11 @@ def with_rigid_body(bodies: BodyMesh, outline: Array) -> BodyMesh:
     ):
         region = mesh.AddRegion(name, dim=dimension)
         mesh.AddElements(dim=dimension, index=region, data=int32(elements), base=0)
-    none = np.zeros(count, dtype=bool)
+    none, rounded = np.zeros(count, dtype=bool), bodies.rounded
+    if arcs is not None:
+        number = np.arange(len(arcs.radius))
+        own = Rounded(len(bodies.body_of_element) + number, arcs, np.tile([0.0, 1.0], (len(number), 1)))
+        rounded = own if rounded is None else rounded.joined(own)
     return replace(
         bodies,
         mesh=ngsolve.Mesh(mesh),
@@ -55,6 +62,7 @@ def with_rigid_body(bodies: BodyMesh, outline: Array) -> BodyMesh:
         is_filling=None if bodies.is_filling is None else np.append(bodies.is_filling, none),
         thickness_of_body=np.append(bodies.thickness_of_body, bodies.thickness),
         rigid_count=bodies.rigid_count + 1,
+        rounded=rounded,
     )
 
 

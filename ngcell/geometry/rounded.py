@@ -62,6 +62,19 @@ class Arcs:
         return Arcs(**{name: value[numbers] for name, value in vars(self).items()})
 
 
+def arcs_between(starts: Array, ends: Array, centre: Array, radius: float) -> Arcs:
+    """Return the arcs of a circle from its points, shape (n, 2), to others [length]."""
+    length = np.linalg.norm(ends - starts, axis=1)
+    return Arcs(
+        sharp=starts,
+        centre=np.tile(centre, (len(starts), 1)),
+        radius=np.full(len(starts), radius),
+        way=(ends - starts) / length[:, None],
+        distance=np.column_stack([0 * length, length]),
+        chord=np.stack([starts, ends], axis=1),
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class Rounded:
     """Elements that follow the arcs on the outer side of their wall.
@@ -84,6 +97,12 @@ class Rounded:
         """Return the same for several elements each, of these numbers, shape (n, times)."""
         each = np.repeat(np.arange(len(self.element)), element.shape[1])
         return Rounded(element.ravel(), self.arcs.chosen(each), self.layer[each])
+
+    def joined(self, others: Rounded) -> Rounded:
+        """Return these elements and others."""
+        arcs = {name: np.concatenate([value, vars(others.arcs)[name]]) for name, value in vars(self.arcs).items()}
+        element = np.concatenate([self.element, others.element])
+        return Rounded(element, Arcs(**arcs), np.concatenate([self.layer, others.layer]))
 
     def curving(self, mesh: ngsolve.Mesh, order: int) -> ngsolve.GridFunction:
         """Return what moves elements of a mesh onto their arcs, by polynomials of this order [length]."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from math import asin, ceil, pi, radians, sqrt, tan
+from math import asin, ceil, pi, radians, tan
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -13,6 +13,7 @@ from pydantic import Field, model_validator
 from ngcell.errors import CaseError
 from ngcell.geometry.bodies import INDENTER, LOWER_PLATE, BodyMesh
 from ngcell.geometry.rigid_body import with_rigid_body
+from ngcell.geometry.rounded import arcs_between
 from ngcell.mechanics.applied.traction import Traction
 from ngcell.mechanics.loading.load import held_sides
 from ngcell.mechanics.space import DisplacementSpace
@@ -27,8 +28,8 @@ Array = NDArray[np.float64]
 _SIZES = {"flat": {"width"}, "disc": {"radius"}, "wedge": {"width", "angle"}}
 #: Distance at rest between the indenter and the tissue's upper edge, as a share of the wall: they do not touch.
 _CLEARANCE = 0.1
-#: Elements of the indenter to a side of a cell, and the largest sagitta of one on a disc, as a share of the wall.
-_EDGES, _SAGITTA = 4, 0.005
+#: Elements of the indenter to a side of a cell, and the fewest of a disc.
+_EDGES, _FEWEST = 4, 16
 
 
 class Indenter(Section):
@@ -111,7 +112,13 @@ class Indenter(Section):
             raise CaseError(f"load.place = {place:g} is not above the tissue; allowed: from {left:.6g} to {right:.6g}")
         if self.depth >= top - low:
             raise CaseError(f"load.depth = {self.depth:g} is through the tissue; allowed: below {top - low:.6g}")
-        return with_rigid_body(bodies, self._outline(bodies) + [place, top + _CLEARANCE * bodies.thickness])
+        outline, round_count = self._outline(bodies)
+        outline += np.array([place, top + _CLEARANCE * bodies.thickness])
+        if self.radius is None:
+            return with_rigid_body(bodies, outline)
+        centre = np.array([place, top + _CLEARANCE * bodies.thickness + self.radius])
+        starts, ends = outline[:round_count], np.roll(outline, -1, axis=0)[:round_count]
+        return with_rigid_body(bodies, outline, arcs_between(starts, ends, centre, self.radius))
 
     def motion(self, space: DisplacementSpace) -> PrescribedMotion:
         """Return the motion: the indenter moves down, and the lower plate stays where it is."""
@@ -134,16 +141,16 @@ class Indenter(Section):
     def _place(self, bodies: BodyMesh) -> float:
         return float(bodies.extent[:, 0].mean()) if self.place is None else self.place
 
-    def _outline(self, bodies: BodyMesh) -> Array:
-        """Return the nodes of its outline, anticlockwise about its lowest point (0, 0) [length], shape (nodes, 2)."""
+    def _outline(self, bodies: BodyMesh) -> tuple[Array, int]:
+        """Return the nodes of its outline, anticlockwise about its lowest point (0, 0) [length], shape (nodes, 2), and
+        from how many of them, the first ones, it goes on to the next along an arc."""
         size, deepest = bodies.length / _EDGES, self.depth + 2 * bodies.length
         farthest = 2 * float(np.diff(bodies.extent[:, 0]).item())  # wider ones are cut where they touch nothing
         if self.radius is not None:
-            size = min(size, sqrt(8 * self.radius * _SAGITTA * bodies.thickness))
             if self.radius > farthest:
                 return _segment(self.radius, min(farthest / self.radius, 0.9), size, bodies.length)
-            angle = 2 * pi * np.arange(count := max(8, ceil(2 * pi * self.radius / size))) / count
-            return self.radius * np.column_stack([np.sin(angle), 1 - np.cos(angle)])
+            angle = 2 * pi * np.arange(count := max(_FEWEST, ceil(2 * pi * self.radius / size))) / count
+            return self.radius * np.column_stack([np.sin(angle), 1 - np.cos(angle)]), count
         half = min((self.width or 0) / 2, farthest)
         if half * self._slope > deepest:
             half = deepest / self._slope
@@ -151,7 +158,7 @@ class Indenter(Section):
         head = foot + self.depth + bodies.length
         tip = [(0.0, 0.0)] if self.shape == "wedge" else []
         corners = np.array([*tip, (half, foot), (half, head), (-half, head), (-half, foot)])
-        return _divided(corners, size)
+        return _divided(corners, size), 0
 
 
 class IndenterMotion(PrescribedMotion):
@@ -174,15 +181,15 @@ class IndenterMotion(PrescribedMotion):
         self._final[:, rigid] = translation[:, None] * space.one[rigid]
 
 
-def _segment(radius: float, share: float, size: float, above: float) -> Array:
+def _segment(radius: float, share: float, size: float, above: float) -> tuple[Array, int]:
     """Return the nodes of the lower part of a disc, up to this share of its radius on either side, and of a block on
-    it, so far above its ends [length]."""
+    it, so far above its ends [length], and how many elements of the disc there are."""
     half = asin(share)
     angle = np.linspace(-half, half, 1 + ceil(2 * half * radius / size))
     arc = radius * np.column_stack([np.sin(angle), 2 * np.sin(angle / 2) ** 2])
     ends = np.array([arc[-1], arc[-1] + [0.0, above], arc[0] + [0.0, above], arc[0]])
     around = [_line(start, end, size) for start, end in pairwise(ends)]
-    return np.concatenate([arc[:-1], *around])
+    return np.concatenate([arc[:-1], *around]), len(arc) - 1
 
 
 def _divided(corners: Array, size: float) -> Array:
