@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix, tril
 
-from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
+from ngcell.contact.methods.penalty import PenaltyContact
+from ngcell.contact.methods.penalty_stiffness import penalty_stiffness
 from ngcell.contact.methods.protocol import ContactSet
 from ngcell.contact.methods.terms import ContactTerm
 from ngcell.contact.surface.find import find_surface
@@ -62,7 +63,8 @@ class SmallTissue:
     @cached_property
     def contact(self) -> PenaltyContact:
         modulus = np.full(self.bodies.body_count, LAW.plane_strain_modulus)
-        return PenaltyContact(self.walls, penalty_stiffness(self.walls, modulus, 1.0), reach=2 * LONGEST_STEP)
+        stiffness = penalty_stiffness(self.walls, modulus, 1.0)
+        return PenaltyContact(self.walls, stiffness, reach=2 * LONGEST_STEP)
 
     @cached_property
     def tie(self) -> Tie:

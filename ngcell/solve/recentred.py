@@ -50,7 +50,7 @@ def recentred(
         if not minimum.is_found:
             return minimum
         missed, _ = minimiser.problem.update_multipliers(minimum.state)
-        if not minimiser.problem.has_multipliers and overlaps.stay(missed):
+        if not minimiser.problem.has_multipliers and overlaps.stay(missed, minimum.state.energy):
             return replace(minimum, ending=Ending.CONDITIONS_MISSED)
         before, fallen = fallen, energy - minimum.state.energy
         ratio = fallen / before if before > 0 else 0.0
@@ -139,13 +139,15 @@ class _Overlaps:
 
     options: ContinuationOptions
     _deepest: float = float("inf")
+    _energy: float = float("inf")
     _in_vain: int = 0
 
-    def stay(self, deepest: float) -> bool:
+    def stay(self, deepest: float, energy: float) -> bool:
         """Return whether overlaps stay however stiff penalty terms become; `deepest` [length] is 0 if none was made
-        stiffer."""
-        self._in_vain = self._in_vain + 1 if deepest > self.options.undone * self._deepest else 0
-        self._deepest = deepest or float("inf")
+        stiffer. Nothing is told of them while the energy falls: walls slide on to other places."""
+        stays = deepest > self.options.undone * self._deepest and energy >= self._energy
+        self._in_vain = self._in_vain + 1 if stays else 0
+        self._deepest, self._energy = deepest or float("inf"), energy
         return self._in_vain == self.options.most_in_vain
 
 

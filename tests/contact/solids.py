@@ -8,7 +8,8 @@ from functools import cached_property
 import numpy as np
 from netgen import occ
 
-from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
+from ngcell.contact.methods.penalty import PenaltyContact
+from ngcell.contact.methods.penalty_stiffness import penalty_stiffness
 from ngcell.contact.methods.terms import ContactTerm
 from ngcell.contact.surface.find import find_surface
 from ngcell.contact.surface.surface import Surface

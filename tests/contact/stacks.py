@@ -9,7 +9,7 @@ import numpy as np
 from netgen import occ
 
 from ngcell.contact.methods.mortar import MortarContact
-from ngcell.contact.methods.penalty import penalty_stiffness
+from ngcell.contact.methods.penalty_stiffness import penalty_stiffness
 from ngcell.contact.methods.terms import ContactTerm
 from ngcell.contact.surface.find import find_surface
 from ngcell.contact.surface.surface import Surface

@@ -7,7 +7,7 @@ import pytest
 from scipy import sparse
 
 from ngcell.contact.methods.by_ngsolve import NgsolveContact, NgsolveTerm
-from ngcell.contact.methods.penalty import penalty_stiffness
+from ngcell.contact.methods.penalty_stiffness import penalty_stiffness
 from ngcell.contact.methods.terms import ContactTerm
 from ngcell.contact.methods.wall_strip import WallStrip, coloured
 from ngcell.contact.pairing.near import near_facets

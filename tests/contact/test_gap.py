@@ -7,7 +7,7 @@ import pytest
 
 from ngcell.contact.gap.kinematics import GapKinematics
 from ngcell.contact.methods.penalty import PenaltyContact
-from tests.tissues import SmallTissue, small_tissue
+from tests.tissues import SmallTissue, rotation, small_tissue
 
 STEPS = np.array([2e-3, 1e-3, 5e-4])
 
@@ -25,8 +25,8 @@ def bent_pair(order: int, depth: float, dent: float = 0.0, aside: float = 0.2) -
     return tissue, tissue.smooth(0.03, 3) + dented + tissue.body_translation(1, np.array([-depth, aside]))
 
 
-def paired(tissue: SmallTissue, displacement: np.ndarray) -> GapKinematics:
-    contact = PenaltyContact(tissue.walls, np.ones(tissue.walls.facet_count), reach=0.6)
+def paired(tissue: SmallTissue, displacement: np.ndarray, *, fades: bool = False) -> GapKinematics:
+    contact = PenaltyContact(tissue.walls, np.ones(tissue.walls.facet_count), reach=0.6, single_pass_corners=fades)
     return contact.pair(tissue.positions(displacement)).kinematics
 
 
@@ -65,11 +65,59 @@ def test_taylor_remainders_of_gaps_vanish_at_their_rates(order, place, at_end, c
     assert (rates(second) > 2.7).all()
 
 
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_faded_gaps_have_the_derivatives_of_their_factor(order):
+    tissue, displacement = bent_pair(order, 0.1, 0.0, 0.2)
+    kinematics = paired(tissue, displacement, fades=True)
+    at, size = tissue.positions(displacement), tissue.space.size
+    gap, slopes = kinematics.slopes(at)
+    whole = kinematics.gap.gap.gaps(
+        kinematics.pairs, kinematics.side, kinematics.correction, *kinematics.vectors(at)
+    )
+    fading = np.abs(gap / whole - 1) > 0.05
+    chosen = np.flatnonzero(fading & (np.abs(gap / whole) > 0.05) & ~kinematics.pairs.at_end & (gap < -1e-3))
+    assert len(chosen) > 1
+    way = tissue.smooth(1.0, 9)
+    slope = (kinematics.jacobian(slopes, size) @ way)[chosen]
+    blocks = kinematics.curvatures(at, chosen)
+    bend = [way @ (kinematics.assemble(blocks[[i]], chosen[[i]], size) @ way) for i in range(len(chosen))]
+    steps = 0.1 * np.array(STEPS)
+    first, second = [], []
+    for step in steps:
+        followed = gaps_of_pairs(tissue, displacement + step * way, kinematics, chosen, fades=True)
+        first.append(np.abs(followed - gap[chosen] - step * slope).max())
+        second.append(np.abs(followed - gap[chosen] - step * slope - step**2 / 2 * np.array(bend)).max())
+    np.testing.assert_allclose(rates(first), 2, atol=0.3)
+    if order == 1:
+        assert (rates(second) > 2.6).all()
+    else:  # the curvature of the secondary wall is frozen
+        assert second[-1] < 0.1 * first[-1]
+
+
+def test_a_corner_slides_along_a_wall_without_bumps():
+    tissue, bumps = small_tissue(1, 2, edges=9), {}
+    space, centre = tissue.space, tissue.lattice.centres[1]
+    turn = rotation(0.5)
+    turned = (space.affine(turn - np.eye(2), centre - turn @ centre) * (space.body_of_unknown == 1)).ravel()
+    at = tissue.positions(turned)[:, : space.mesh.nv]
+    body = space.body_of_unknown[: space.mesh.nv]
+    inward = at[0, body == 0].max() - at[0, body == 1].min() - 2e-3  # so deep is the corner in the wall
+    for fades in (True, False):
+        contact = PenaltyContact(tissue.walls, np.ones(tissue.walls.facet_count), reach=0.3, single_pass_corners=fades)
+        energies = []
+        for aside in np.linspace(-0.1, 0.1, 201):
+            positions = tissue.positions(turned + tissue.body_translation(1, np.array([inward, aside])))
+            energies.append(contact.pair(positions).energy(positions))
+        assert min(energies) > 0
+        bumps[fades] = np.ptp(energies) / np.mean(energies)
+    assert bumps[True] < 0.01 < 0.2 < bumps[False]
+
+
 def gaps_of_pairs(
-    tissue: SmallTissue, displacement: np.ndarray, before: GapKinematics, chosen: np.ndarray
+    tissue: SmallTissue, displacement: np.ndarray, before: GapKinematics, chosen: np.ndarray, *, fades: bool = False
 ) -> np.ndarray:
     """Gaps of the same points to the same bodies, with the contact pairs found anew."""
-    kinematics = paired(tissue, displacement)
+    kinematics = paired(tissue, displacement, fades=fades)
     pairs, known = kinematics.pairs, before.pairs
     where = {key: number for number, key in enumerate(zip(pairs.primary, pairs.primary_xi, strict=True))}
     same = [where[known.primary[number], known.primary_xi[number]] for number in chosen]

@@ -11,7 +11,8 @@ from scipy import optimize, sparse
 
 from ngcell.contact.methods.mortar import MortarContact
 from ngcell.contact.methods.mortar_set import MortarSet
-from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
+from ngcell.contact.methods.penalty import PenaltyContact
+from ngcell.contact.methods.penalty_stiffness import penalty_stiffness
 from ngcell.contact.methods.pressures_alike import nodal_forces, pressures_alike
 from ngcell.contact.methods.terms import ContactTerm
 from ngcell.mechanics.term import Role

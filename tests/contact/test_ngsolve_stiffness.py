@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ngcell.contact.methods.by_ngsolve import NgsolveTerm
-from ngcell.contact.methods.penalty import penalty_stiffness
+from ngcell.contact.methods.penalty_stiffness import penalty_stiffness
 from ngcell.contact.methods.terms import ContactTerm
 from tests.tissues import LAW, small_tissue
 

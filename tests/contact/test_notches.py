@@ -7,7 +7,7 @@ import pytest
 
 from ngcell.contact.methods.mortar import MortarContact
 from ngcell.contact.methods.mortar_set import MortarSet
-from ngcell.contact.methods.penalty import penalty_stiffness
+from ngcell.contact.methods.penalty_stiffness import penalty_stiffness
 from ngcell.contact.methods.terms import ContactTerm
 from ngcell.problem.problem import Problem
 from tests.contact.derivatives import assert_derivatives

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 import ngcell
-from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
+from ngcell.contact.methods.penalty import PenaltyContact
+from ngcell.contact.methods.penalty_stiffness import penalty_stiffness
 
 _MULTIPLE = 30.0
 

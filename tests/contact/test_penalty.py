@@ -6,7 +6,8 @@ import ngsolve
 import numpy as np
 import pytest
 
-from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
+from ngcell.contact.methods.penalty import PenaltyContact
+from ngcell.contact.methods.penalty_stiffness import penalty_stiffness
 from ngcell.contact.options import ContactOptions
 from ngcell.contact.pairing.facing import find_facing
 from ngcell.mechanics.stored import StoredEnergy

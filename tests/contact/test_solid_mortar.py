@@ -7,7 +7,7 @@ import pytest
 
 from ngcell.contact.methods.mortar import MortarContact
 from ngcell.contact.methods.multipliers import SHARP, MultiplierSpace, constrained_points
-from ngcell.contact.methods.penalty import penalty_stiffness
+from ngcell.contact.methods.penalty_stiffness import penalty_stiffness
 from ngcell.contact.methods.terms import ContactTerm
 from ngcell.contact.surface.surface import Surface
 from ngcell.geometry.lattice import hexagonal_lattice

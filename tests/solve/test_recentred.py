@@ -93,11 +93,17 @@ def test_it_ends_without_an_equilibrium_once_the_energy_is_too_low():
 
 @dataclass
 class Overlapping(Bowl):
-    """A bowl whose penalty terms are made stiffer again and again, and leave a share of their overlap each time."""
+    """A bowl whose penalty terms are made stiffer again and again, and leave a share of their overlap each time. Their
+    energy grows by as much each time."""
 
     left: float = 0.1
     deepest: float = 1e-3
     updates: int = 0
+    grows: float = 0.0
+
+    def at(self, displacement: np.ndarray) -> Point:
+        found = super().at(displacement)
+        return replace(found, energy=found.energy + self.grows * self.updates)
 
     def update_multipliers(self, state: Point) -> tuple[float, float]:
         self.updates += 1
@@ -106,13 +112,15 @@ class Overlapping(Bowl):
 
 
 @pytest.mark.parametrize(
-    ("left", "has_multipliers", "is_found"), [(0.1, False, True), (0.5, False, False), (0.5, True, True)]
+    ("left", "grows", "has_multipliers", "is_found"),
+    [(0.1, 1.0, False, True), (0.5, 1.0, False, False), (0.5, 0.0, False, True), (0.5, 1.0, True, True)],
 )
-def test_overlaps_that_stiffer_penalty_terms_leave_are_given_up(left, has_multipliers, is_found):
-    """Where walls press each other a tenth is left; on wrong sides of each other they stay. Multipliers are no penalty.
+def test_overlaps_that_stiffer_penalty_terms_leave_are_given_up(left, grows, has_multipliers, is_found):
+    """Where walls press each other a tenth is left; on wrong sides of each other they stay, and the energy grows. As
+    long as it falls, walls slide on. Multipliers are no penalty.
     """
     options = ContinuationOptions(felt=1e-3, sufficient=1e-4, recentred=1.0)
-    bowl = Overlapping(left=left, has_multipliers=has_multipliers)
+    bowl = Overlapping(left=left, has_multipliers=has_multipliers, grows=grows)
     minimum = recentred(Minimiser(bowl, 0.1, energy_scale=1.0), np.zeros(3), WEIGHT, options)
     assert minimum.is_found is is_found
     if not is_found:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ngcell.build.febio.layer import Layer, layer_of
 from ngcell.build.febio.scope import check_case, check_support, check_terms
 from ngcell.build.simulation import Simulation
-from ngcell.contact.methods.penalty import penalty_stiffness
+from ngcell.contact.methods.penalty_stiffness import penalty_stiffness
 from ngcell.geometry.bodies import LUMEN
 from ngcell.geometry.sections import along_walls
 from ngcell.mechanics.applied.potential import AppliedLoads

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from ngcell.contact.methods.by_penalty import Penalty
 from ngcell.contact.methods.mortar import MortarContact
-from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
+from ngcell.contact.methods.penalty import PenaltyContact
+from ngcell.contact.methods.penalty_stiffness import penalty_stiffness
 from ngcell.contact.methods.protocol import ContactMethod
 from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
 from ngcell.contact.pairing.near import Reach

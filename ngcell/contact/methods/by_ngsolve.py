@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ngcell.contact.methods.ngsolve_boundary import BoundaryEnergy
-from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
+from ngcell.contact.methods.penalty import PenaltyContact
+from ngcell.contact.methods.penalty_stiffness import penalty_stiffness
 from ngcell.contact.methods.terms import ContactTerm
 from ngcell.contact.methods.wall_strip import WallStrip, coloured
 from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.methods.penalty import PenaltyContact, penalty_stiffness
+from ngcell.contact.methods.penalty import PenaltyContact
+from ngcell.contact.methods.penalty_stiffness import penalty_stiffness
 from ngcell.contact.methods.protocol import ContactMethod
 from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
 from ngcell.contact.pairing.near import Reach
 from ngcell.contact.surface.surface import Surface
+from ngcell.scene.scope import is_planar, refuse
 from ngcell.scene.section import PositiveNumber, Section
 
 Array = NDArray[np.float64]
@@ -24,11 +26,20 @@ class Penalty(Section):
     ----------
     stiffness : float
         Multiple of the penalty stiffness that is derived from material, mesh and accuracy, > 0, without unit.
+    single_pass_corners : bool
+        Whether next to convex corners of planar walls only the corner's wall is integrated, and elsewhere both: corners
+        then slide without bumps at the quadrature points of other walls, and cells slide farther.
     """
 
     kind: Literal["penalty"] = "penalty"
     stiffness: PositiveNumber = 1.0
+    single_pass_corners: bool = False
     goes_with_cohesion: ClassVar[bool] = True
+
+    def check_scope(self, scene: dict[str, Any]) -> None:
+        """Refuse corners of prisms: faces have both passes."""
+        if self.single_pass_corners and "tissue" in scene and not is_planar(scene):
+            refuse("is for planar walls; allowed: false beside tissue.height", "single_pass_corners")
 
     def stages(
         self, walls: Surface, modulus_of_body: Array, *, reach: Reach, options: ContactOptions = DEFAULT_OPTIONS
@@ -37,4 +48,7 @@ class Penalty(Section):
         meant = options.penalty_multiple * self.stiffness
         multiples = (*options.path_multiples(meant), meant)
         stiffnesses = [penalty_stiffness(walls, modulus_of_body, multiple) for multiple in multiples]
-        return tuple(PenaltyContact(walls, stiffness, reach, options=options) for stiffness in stiffnesses)
+        return tuple(
+            PenaltyContact(walls, each, reach, single_pass_corners=self.single_pass_corners, options=options)
+            for each in stiffnesses
+        )

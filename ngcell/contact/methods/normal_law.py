@@ -18,7 +18,7 @@ from scipy import sparse
 
 from ngcell.contact.gap.by_surface import gap_kinematics
 from ngcell.contact.gap.kinematics import GapKinematics
-from ngcell.contact.methods.penalty import penalty_stiffness
+from ngcell.contact.methods.penalty_stiffness import penalty_stiffness
 from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
 from ngcell.contact.pairing.near import Reach, couplings_of_near_facets
 from ngcell.contact.pairing.pairs import ContactPairs

@@ -15,15 +15,16 @@ whose steps follow each other the rule is made finer in good time, and both are 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from ngcell.contact.gap.beside_corners import Corners
 from ngcell.contact.gap.by_surface import gap_kinematics
 from ngcell.contact.gap.kinematics import GapKinematics
 from ngcell.contact.methods.overlaps import Mask, Overlaps, overlaps
@@ -32,6 +33,7 @@ from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
 from ngcell.contact.pairing.near import Reach, couplings_of_near_facets
 from ngcell.contact.pairing.pairs import ContactPairs
 from ngcell.contact.pairing.search import PairSearch
+from ngcell.contact.surface.edges import EdgeSurface
 from ngcell.contact.surface.surface import Surface, SurfacePoints, chosen_points
 from ngcell.mechanics.stored import StoredEnergy
 
@@ -118,6 +120,9 @@ class PenaltyContact:
         Distance up to which walls are paired [length].
     may_stiffen : bool
         Whether penalty terms that turn out too soft are made stiffer.
+    single_pass_corners : bool
+        Whether next to corners only the corner's wall is integrated; see `ngcell.contact.gap.beside_corners`. Faces
+        have both passes.
     options : ContactOptions
         The solver's own numbers.
     """
@@ -131,12 +136,16 @@ class PenaltyContact:
         reach: Reach,
         *,
         may_stiffen: bool = True,
+        single_pass_corners: bool = False,
         options: ContactOptions = DEFAULT_OPTIONS,
     ) -> None:
         self.walls, self._options = walls, options
         self._derived, self.reach = stiffness, reach
         self._may_stiffen, self._stiffens = may_stiffen, False
         self._usual, self._deep_between = self.searching(walls.quadrature), options.soft
+        self._kinematics: Callable[[ContactPairs, Array], GapKinematics] = partial(gap_kinematics, walls)
+        if single_pass_corners and isinstance(walls, EdgeSurface):
+            self._kinematics = Corners(walls).kinematics
         self._take_back()
 
     def searching(self, points: SurfacePoints) -> PairSearch:
@@ -191,9 +200,8 @@ class PenaltyContact:
 
     def pair(self, positions: Array) -> PenaltySet:
         """Find all contact pairs at `positions`, unknowns of shape (dimension, scalar unknowns)."""
-        pairs = self._search.pairs(self.walls.nodes(positions))
-        kinematics = gap_kinematics(self.walls, pairs, positions)
-        part = self.walls.part
+        kinematics = self._kinematics(self._search.pairs(self.walls.nodes(positions)), positions)
+        pairs, part = kinematics.pairs, self.walls.part
         stiffness = 0.5 * self._pairwise(pairs) * pairs.weight
         return PenaltySet(kinematics, stiffness, part[pairs.secondary], int(part.max(initial=0)) + 1)
 
@@ -287,14 +295,3 @@ class PenaltyContact:
 
     def _pairwise(self, pairs: ContactPairs) -> Array:
         return np.minimum(self.stiffness[pairs.primary], self.stiffness[pairs.secondary])
-
-
-def penalty_stiffness(walls: Surface, modulus_of_body: Array, multiple: float) -> Array:
-    """Return the stiffness of each facet [stress / length] from its body's plane-strain modulus [stress].
-
-    It is the same all over a body, that of its thinnest layer: were it each facet's own, the energy of a closed
-    contact would jump where a point slides from one facet to the next.
-    """
-    thinnest = np.full(len(modulus_of_body), np.inf)
-    np.minimum.at(thinnest, walls.body, walls.depth)
-    return np.asarray(multiple * (modulus_of_body / thinnest)[walls.body])
