@@ -292,7 +292,7 @@ WRONG: dict[str, tuple[tuple[str, str], int, str, str]] = {
     ),
     "corners of prisms in a single pass": (
         ("wall = 0.1\n", "wall = 0.1\nheight = 1.0\n\n[contact]\nsingle_pass_corners = true\n"),
-        10,
+        11,
         "contact.single_pass_corners = true",
         "is for planar walls; allowed: false beside tissue.height",
     ),
