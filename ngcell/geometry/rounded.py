@@ -53,8 +53,8 @@ class Arcs:
         """Return the way from the chord to the arc at shares of the element's side, shape (n, shares, 2)."""
         one, two = (1 - share)[:, None], share[:, None]
         along = self.distance @ np.stack([1 - share, share])
-        ray = (self.sharp - self.centre)[:, None] + self.way[:, None] * along[..., None]
-        arc = self.centre[:, None] + ray * (self.radius[:, None] / np.linalg.norm(ray, axis=2))[..., None]
+        place = self.sharp[:, None] + self.way[:, None] * along[..., None]
+        arc = _on_circle(place, self.centre[:, None], self.radius[:, None])
         return np.asarray(arc - one * self.chord[:, :1] - two * self.chord[:, 1:])
 
     def chosen(self, numbers: Index) -> Arcs:
@@ -147,13 +147,15 @@ def round_corners(sharp: Array, outlines: Outlines, side: Index, place: Array, c
     """
     rounded = sharp.copy()
     length = outlines.lengths[side]
-    ends = ((side, place * length, outlines.directions), (outlines.ahead[side], (1 - place) * length, None))
-    for corner, distance, onward in ends:
-        way = outlines.directions[outlines.behind] * -1 if onward is None else onward
+    for corner, sign, distance in ((side, 1, place * length), (outlines.ahead[side], -1, (1 - place) * length)):
         near = (distance < cut * (1 - 1e-9)) & (outlines.exterior_angles[corner] > _STRAIGHT)
-        at, step = corner[near], distance[near] * (ARC_EDGES / cut)
+        at, way, step = corner[near], sign * outlines.directions[side[near]], distance[near] * (ARC_EDGES / cut)
         before = np.minimum(np.floor(step + 1e-9), ARC_EDGES - 1)
-        one, two = (_on_arc(outlines, at, way[at], cut, (before + end) * (cut / ARC_EDGES)) for end in (0, 1))
+        radius, centre = _circles(outlines, at, cut)
+        one, two = (
+            _on_circle(outlines.corners[at] + way * ((before + end) * (cut / ARC_EDGES))[:, None], centre, radius)
+            for end in (0, 1)
+        )
         share = (step - before)[:, None]
         rounded[near] = (1 - share) * one + share * two
     return rounded
@@ -168,28 +170,26 @@ def arcs_along(
     """
     length = outlines.lengths[side]
     end = np.where(side[ahead] == side, place[ahead], 1.0)
-    ends = ((side, place, end, outlines.directions), (outlines.ahead[side], 1 - place, 1 - end, None))
     found, parts = [], []
-    for corner, one, two, onward in ends:
-        way = outlines.directions[outlines.behind] * -1 if onward is None else onward
+    for corner, sign, one, two in ((side, 1, place, end), (outlines.ahead[side], -1, 1 - place, 1 - end)):
         is_round = outlines.exterior_angles[corner] > _STRAIGHT
         node = np.flatnonzero((np.maximum(one, two) * length < cut * (1 + 1e-9)) & is_round)
         at = corner[node]
         radius, centre = _circles(outlines, at, cut)
         found.append(node)
         parts.append({
-            "sharp": outlines.corners[at], "centre": centre, "radius": radius, "way": way[at],
+            "sharp": outlines.corners[at], "centre": centre, "radius": radius,
+            "way": sign * outlines.directions[side[node]],
             "distance": np.column_stack([one, two])[node] * length[node, None],
             "chord": np.stack([outer[node], outer[ahead[node]]], axis=1),
         })  # fmt: skip
     return np.concatenate(found), Arcs(**{name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
 
 
-def _on_arc(outlines: Outlines, corner: Index, way: Array, cut: float, distance: Array) -> Array:
-    """Return the points of the arcs that lie towards their centres from points at a distance along a side; (n, 2)."""
-    radius, centre = _circles(outlines, corner, cut)
-    ray = outlines.corners[corner] + way * distance[:, None] - centre
-    return np.asarray(centre + ray * (radius / np.linalg.norm(ray, axis=1))[:, None])
+def _on_circle(place: Array, centre: Array, radius: Array) -> Array:
+    """Return the points of circles that lie from their centres towards places, all of shape (..., 2) but the radii."""
+    ray = place - centre
+    return np.asarray(centre + ray * (radius / np.linalg.norm(ray, axis=-1))[..., None])
 
 
 def _circles(outlines: Outlines, corner: Index, cut: float) -> tuple[Array, Array]:

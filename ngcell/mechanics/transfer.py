@@ -19,18 +19,14 @@ def transferred(displacement: Array, coarse: DisplacementSpace, fine: Displaceme
     curved by a higher order; bodies may overlap. Else elements of the finer mesh have to be parts of those of the
     coarse one, and bodies may touch. Elements that follow arcs are parts of each other on the chords of these.
     """
-    with coarse.on_chords(), fine.on_chords():
-        return _found_on_elements(displacement, coarse, fine)
-
-
-def _found_on_elements(displacement: Array, coarse: DisplacementSpace, fine: DisplacementSpace) -> Array:
     old = coarse.function(displacement)
     if _same_elements(coarse, fine):
         # On the coarse mesh the finer space has the same unknowns.
         new = ngsolve.GridFunction(ngsolve.VectorH1(coarse.bodies.mesh, order=fine.order))
     else:
         new = ngsolve.GridFunction(fine.vector)
-    new.Set(old)
+    with coarse.on_chords(), fine.on_chords():
+        new.Set(old)
     return np.array(new.vec.FV().NumPy())
 
 

@@ -7,6 +7,7 @@ import pytest
 
 from ngcell.contact.gap.kinematics import GapKinematics
 from ngcell.contact.methods.penalty import PenaltyContact
+from ngcell.contact.methods.terms import ContactTerm
 from tests.tissues import SmallTissue, rotation, small_tissue
 
 STEPS = np.array([2e-3, 1e-3, 5e-4])
@@ -71,9 +72,7 @@ def test_faded_gaps_have_the_derivatives_of_their_factor(order):
     kinematics = paired(tissue, displacement, fades=True)
     at, size = tissue.positions(displacement), tissue.space.size
     gap, slopes = kinematics.slopes(at)
-    whole = kinematics.gap.gap.gaps(
-        kinematics.pairs, kinematics.side, kinematics.correction, *kinematics.vectors(at)
-    )
+    whole = kinematics.gap.gap.gaps(kinematics.pairs, kinematics.side, kinematics.correction, *kinematics.vectors(at))
     fading = np.abs(gap / whole - 1) > 0.05
     chosen = np.flatnonzero(fading & (np.abs(gap / whole) > 0.05) & ~kinematics.pairs.at_end & (gap < -1e-3))
     assert len(chosen) > 1
@@ -110,6 +109,18 @@ def test_a_corner_slides_along_a_wall_without_bumps():
             energies.append(contact.pair(positions).energy(positions))
         assert min(energies) > 0
         bumps[fades] = np.ptp(energies) / np.mean(energies)
+        deeper, higher = (
+            contact.pair(at).energy(at)
+            for at in (
+                tissue.positions(turned + tissue.body_translation(1, np.array([by, 0.0])))
+                for by in (inward - 1e-6, inward + 1e-6)
+            )
+        )
+        acting = ContactTerm(contact).interaction(
+            tissue.space.configuration(turned + tissue.body_translation(1, np.array([inward, 0.0])))
+        )
+        if fades:  # all of it is the corner's own force
+            assert acting.normal.sum() == pytest.approx(abs(higher - deeper) / 2e-6, rel=1e-3)
     assert bumps[True] < 0.01 < 0.2 < bumps[False]
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from functools import singledispatch
+from collections.abc import Callable
+from functools import partial, singledispatch
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.contact.gap.beside_corners import Corners
 from ngcell.contact.gap.edge_gap import EdgeGap, edge_kinematics
 from ngcell.contact.gap.facet_gap import FacetGap, facet_kinematics
 from ngcell.contact.gap.kinematics import Gap, GapKinematics
@@ -23,6 +25,17 @@ def gap_kinematics(walls: Surface, pairs: ContactPairs, positions: NDArray[np.fl
 
 
 @singledispatch
+def single_pass_kinematics(
+    walls: Surface,
+) -> Callable[[ContactPairs, NDArray[np.float64]], GapKinematics]:
+    """Return what makes the kinematics of contact pairs that count next to corners on the corner's wall alone.
+
+    Faces have both passes everywhere.
+    """
+    raise NotImplementedError(type(walls))
+
+
+@singledispatch
 def gap_of(walls: Surface) -> Gap:
     """Return what the gap to a surface is."""
     raise NotImplementedError(type(walls))
@@ -30,5 +43,7 @@ def gap_of(walls: Surface) -> Gap:
 
 gap_kinematics.register(EdgeSurface, edge_kinematics)
 gap_kinematics.register(FacetSurface, facet_kinematics)
+single_pass_kinematics.register(EdgeSurface, lambda walls: Corners(walls).kinematics)
+single_pass_kinematics.register(FacetSurface, lambda walls: partial(gap_kinematics, walls))
 gap_of.register(EdgeSurface, lambda walls: EdgeGap())
 gap_of.register(FacetSurface, lambda walls: FacetGap())

@@ -29,6 +29,10 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 
+#: Second derivative of ``a . t`` by both vectors.
+SWAP = np.kron(np.array([[0.0, 1.0], [1.0, 0.0]]), np.eye(2))
+
+
 @dataclass(frozen=True)
 class EdgeGap:
     """Gaps in the plane."""
@@ -109,8 +113,7 @@ def _along(a: Array, t: Array) -> Array:
 def _correction_curvature(a: Array, t: Array) -> Array:
     """Second derivative of ``(a . t)^2 / 2``."""
     slope = np.concatenate([t, a], axis=1)
-    swap = np.kron(np.array([[0.0, 1.0], [1.0, 0.0]]), np.eye(2))
-    return np.asarray(slope[:, :, None] * slope[:, None, :] + _along(a, t)[:, None, None] * swap)
+    return np.asarray(slope[:, :, None] * slope[:, None, :] + _along(a, t)[:, None, None] * SWAP)
 
 
 def _end_curvature(a: Array, sign: Array) -> Array:

@@ -15,7 +15,7 @@ whose steps follow each other the rule is made finer in good time, and both are 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
@@ -24,8 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ngcell.contact.gap.beside_corners import Corners
-from ngcell.contact.gap.by_surface import gap_kinematics
+from ngcell.contact.gap.by_surface import gap_kinematics, single_pass_kinematics
 from ngcell.contact.gap.kinematics import GapKinematics
 from ngcell.contact.methods.overlaps import Mask, Overlaps, overlaps
 from ngcell.contact.methods.protocol import ContactMethod, ContactSet
@@ -33,7 +32,6 @@ from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
 from ngcell.contact.pairing.near import Reach, couplings_of_near_facets
 from ngcell.contact.pairing.pairs import ContactPairs
 from ngcell.contact.pairing.search import PairSearch
-from ngcell.contact.surface.edges import EdgeSurface
 from ngcell.contact.surface.surface import Surface, SurfacePoints, chosen_points
 from ngcell.mechanics.stored import StoredEnergy
 
@@ -143,9 +141,7 @@ class PenaltyContact:
         self._derived, self.reach = stiffness, reach
         self._may_stiffen, self._stiffens = may_stiffen, False
         self._usual, self._deep_between = self.searching(walls.quadrature), options.soft
-        self._kinematics: Callable[[ContactPairs, Array], GapKinematics] = partial(gap_kinematics, walls)
-        if single_pass_corners and isinstance(walls, EdgeSurface):
-            self._kinematics = Corners(walls).kinematics
+        self._kinematics = single_pass_kinematics(walls) if single_pass_corners else partial(gap_kinematics, walls)
         self._take_back()
 
     def searching(self, points: SurfacePoints) -> PairSearch:

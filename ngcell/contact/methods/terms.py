@@ -157,7 +157,8 @@ class ContactTerm(Term):
         _, slopes = kinematics.slopes(at.positions)
         facets = np.column_stack([kinematics.pairs.primary, kinematics.pairs.secondary])[closed]
         force = normal[closed, None] * slopes[closed, : len(at.positions)]
-        return Interaction(self.method.walls.body[facets], facets, force, normal[closed])
+        # Beside corners gaps may have a factor, by which the force is larger or smaller than the multiplier.
+        return Interaction(self.method.walls.body[facets], facets, force, np.linalg.norm(force, axis=1))
 
     def contact_pressures(self, at: Configuration, points: SurfacePoints) -> Array:
         """Return the nominal contact pressure [stress], >= 0."""
