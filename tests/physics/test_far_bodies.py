@@ -58,7 +58,7 @@ def _of_the_two(step: Step) -> WallRecord:
 @cache
 def _of_the_pair(far: str, method: str) -> tuple[float, float, bool]:
     """Return normal force and mean gap of the pair, and whether its overlaps pass."""
-    step, wall = _step(far, method, order=2, accuracy=inf)
+    step, wall = _step(far, method, order=4, accuracy=inf)
     failed = [check.name for check in step.report.certificate.checks if not check.passed]
     return wall.normal_force, wall.mean_gap, "penetration_over_wall" not in failed
 

@@ -20,7 +20,7 @@ from tests.tissues import small_tissue
 WALL = 0.1
 #: Four cells that a frame presses from all sides: their walls open at corners, by less than 1 % of their thickness.
 PRESSED = (
-    "accuracy=0.1", "tissue.rows=2", "tissue.cols=2", "load={kind='frame', stretch=[0.95, 0.95], levels=1}",
+    "accuracy=0.05", "tissue.rows=2", "tissue.cols=2", "load={kind='frame', stretch=[0.95, 0.95], levels=1}",
 )  # fmt: skip
 
 

@@ -122,7 +122,7 @@ def test_resolved_case_reads_back_equal(case: Case, tmp_path: Path) -> None:
 def test_resolved_case_says_the_defaults(write_case: WriteCase) -> None:
     said = tomllib.loads(resolved_toml(read_case(write_case())))
     assert said["strategy"] == {"kind": "sddp"}
-    assert said["contact"] == {"kind": "penalty", "stiffness": 1.0, "single_pass_corners": False}
+    assert said["contact"] == {"kind": "penalty", "stiffness": 1.0, "single_pass_corners": True}
     assert said["accuracy"] == 0.01
     assert said["mesh"] == {}  # order and grading follow from the accuracy
     assert said["tissue"]["orientation"] == "pointy"

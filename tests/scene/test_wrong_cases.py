@@ -290,12 +290,6 @@ WRONG: dict[str, tuple[tuple[str, str], int, str, str]] = {
         "load.displacement[0] = 0.1",
         "moves the plate through the side walls; allowed: 0 along x, or free sides",
     ),
-    "corners of prisms in a single pass": (
-        ("wall = 0.1\n", "wall = 0.1\nheight = 1.0\n\n[contact]\nsingle_pass_corners = true\n"),
-        11,
-        "contact.single_pass_corners = true",
-        "is for planar walls; allowed: false beside tissue.height",
-    ),
     "a disc without a radius": (
         (LOAD, 'kind = "indenter"\nshape = "disc"\ndepth = 0.1'),
         15,

@@ -137,7 +137,7 @@ class Corners:
         """Return the factor of each gap, and its first two derivatives by the coordinate of the closest point."""
         theirs, by_one, by_two = self._psi(pairs.secondary, pairs.secondary_xi)
         mine, _, _ = self._psi(pairs.primary, pairs.primary_xi)
-        value = np.where(mine < 1, np.sqrt(1 + theirs**2 - mine**2), theirs)
+        value = np.where(mine < 1, np.sqrt(np.maximum(1 + theirs**2 - mine**2, 0.0)), theirs)
         some = np.where(value > 0, value, 1.0)
         slope = np.where(mine < 1, theirs * by_one / some, by_one)
         bend = np.where(mine < 1, (by_one**2 + theirs * by_two - slope**2) / some, by_two)

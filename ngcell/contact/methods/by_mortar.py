@@ -44,7 +44,7 @@ class Mortar(Section):
             for multiple in (options.path_multiple, options.penalty_multiple, options.mortar_multiple)
         )
         return (
-            PenaltyContact(walls, path, reach, options=options),
-            PenaltyContact(walls, handover, reach, options=options.before_multipliers),
+            PenaltyContact(walls, path, reach, single_pass_corners=True, options=options),
+            PenaltyContact(walls, handover, reach, single_pass_corners=True, options=options.before_multipliers),
             MortarContact(walls, own, reach, options),
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,6 @@ from ngcell.contact.methods.protocol import ContactMethod
 from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
 from ngcell.contact.pairing.near import Reach
 from ngcell.contact.surface.surface import Surface
-from ngcell.scene.scope import is_planar, refuse
 from ngcell.scene.section import PositiveNumber, Section
 
 Array = NDArray[np.float64]
@@ -28,18 +27,14 @@ class Penalty(Section):
         Multiple of the penalty stiffness that is derived from material, mesh and accuracy, > 0, without unit.
     single_pass_corners : bool
         Whether next to convex corners of planar walls only the corner's wall is integrated, and elsewhere both: corners
-        then slide without bumps at the quadrature points of other walls, and cells slide farther.
+        then slide without bumps at the quadrature points of other walls, and cells slide farther. Prisms and other solids
+        have both passes, whatever it says.
     """
 
     kind: Literal["penalty"] = "penalty"
     stiffness: PositiveNumber = 1.0
-    single_pass_corners: bool = False
+    single_pass_corners: bool = True
     goes_with_cohesion: ClassVar[bool] = True
-
-    def check_scope(self, scene: dict[str, Any]) -> None:
-        """Refuse corners of prisms: faces have both passes."""
-        if self.single_pass_corners and "tissue" in scene and not is_planar(scene):
-            refuse("is for planar walls; allowed: false beside tissue.height", "single_pass_corners")
 
     def stages(
         self, walls: Surface, modulus_of_body: Array, *, reach: Reach, options: ContactOptions = DEFAULT_OPTIONS
