@@ -172,6 +172,10 @@ class Term(ABC):
         found = self.constraints(at)
         return None if found is None else (found.keys, found.gap)
 
+    def kinks(self, at: Configuration, after: Configuration) -> OneSided | None:
+        """Return penalty terms that a model about a configuration needs for steps over kinks, as that to another one."""
+        return None
+
     def couplings(self, at: Configuration, margin: float) -> tuple[Index, Index]:
         """Return rows and columns of scalar unknowns that `curvature` and `constraints` could couple while nothing
         moves by more than half of `margin` [length]."""

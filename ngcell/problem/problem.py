@@ -150,6 +150,15 @@ class Problem:
         found = [(number, part) for number, part in given if part is not None]
         return together([replace(part, keys=len(self._sum) * part.keys + number) for number, part in found], at)
 
+    def kinks(self, state: State, after: State) -> OneSided | None:
+        """Return constraints that a model about a state needs for steps over kinks, as that to another; None if none."""
+        given = [(number, term.kinks(state.at, after.at)) for number, term in enumerate(self._sum)]
+        found = [(number, part) for number, part in given if part is not None]
+        if not found:
+            return None
+        whole = together([replace(part, keys=len(self._sum) * part.keys + number) for number, part in found], state.at)
+        return replace(whole, jacobian=self.unknowns.fold_columns(whole.jacobian))
+
     def gaps(self, state: State) -> tuple[Index, Array]:
         """Return the keys of the constraints of a state, increasing, and their gaps."""
         given = [(number, term.gaps(state.at)) for number, term in enumerate(self._sum)]

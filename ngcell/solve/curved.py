@@ -16,6 +16,7 @@ from ngcell.solve.one_sided import Matrix, OneSidedModel
 from ngcell.solve.problem import Linearisation, Problem, State
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 
 def corrected(
@@ -26,6 +27,7 @@ def corrected(
     step: Array,
     trial: State,
     lacking: float,
+    over: Index,
 ) -> Array | None:
     """Return a step that follows the curvature of gaps; None where it is of no use.
 
@@ -46,18 +48,24 @@ def corrected(
         The state after it.
     lacking : float
         What was lacking [energy].
+    over : array of int
+        Keys of constraints whose kinks the model has: what they turned out to be is not added.
     """
     model, matrix = system
     if not np.isfinite(trial.energy) or not len(model.gap):
         return None
-    foreseen = model.gap + model.jacobian @ step
+    foreseen, surplus = model.gap + model.jacobian @ step, np.zeros_like(model.gap)
     keys, gaps = problem.gaps(trial)
     place = np.minimum(np.searchsorted(keys, line.keys), max(len(keys) - 1, 0))
     known = keys[place] == line.keys if len(keys) else np.zeros(len(line.keys), dtype=bool)
-    surplus = np.where(known, gaps[place] - foreseen, 0.0) if len(keys) else np.zeros_like(foreseen)
-    if not known.any() or float(np.abs(surplus).max()) > newton.longest_step:
+    if not known.any():
+        return None
+    own = slice(len(known))  # those of kinks come after them
+    surplus[own] = np.where(known, gaps[place] - foreseen[own], 0.0)
+    if float(np.abs(surplus).max()) > newton.longest_step:
         return None
     if model.stored(foreseen + surplus) - model.stored(foreseen) <= lacking:
         return None
+    surplus[own][np.isin(line.keys, over)] = 0.0
     bent = newton.step(replace(model, gap=model.gap + surplus), matrix)
     return bent.step if bent.change <= 0 else None

@@ -37,6 +37,7 @@ from ngcell.solve.stall import Progress
 from ngcell.solve.trials import Trials
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 
 @dataclass
@@ -246,6 +247,7 @@ class Minimiser:
         lost = max(self.options.round_off * abs(energy), self.options.noise * self.energy_scale)
         undamped, matrix = self.assembly.model(state, line, proximal)
         is_last, is_whole = False, undamped.is_bent and self.problem.has_multipliers
+        over = np.zeros(0, dtype=np.int64)
         force = float(np.linalg.norm(undamped.full_gradient))
         for _ in range(self.options.most_refusals):
             model = self.assembly.damped(undamped, damping)
@@ -268,7 +270,10 @@ class Minimiser:
                     return Advance(trial, self._damper.none, found.decrement, is_led, force=force)
                 least = self.options.poor * -change
                 if gain <= least:
-                    bent = corrected(self.problem, self._newton, line, (model, matrix), step, trial, least - gain)
+                    over, undamped = self._with_kinks(undamped, over, state, trial)
+                    model = self.assembly.damped(undamped, damping)
+                    system = model, matrix
+                    bent = corrected(self.problem, self._newton, line, system, step, trial, least - gain, over)
                     again = (trial, gain) if bent is None else trials.after(bent)
                     trial, gain = again if again[1] > least else (trial, gain)
                 if not gain >= self.options.fair * -change:  # or no energy at all
@@ -287,6 +292,17 @@ class Minimiser:
                 damping = self._damper.straightened(damping, *found.not_convex)
             self.effort.refusals += 1
         return None
+
+    def _with_kinks(
+        self, model: OneSidedModel, known: Index, state: State, trial: State
+    ) -> tuple[Index, OneSidedModel]:
+        """Return the keys of constraints whose kinks are in the model, and the model with those that a step went over.
+        """
+        found = self.problem.kinks(state, trial) if np.isfinite(trial.energy) else None
+        if found is None or not len(new := np.flatnonzero(~np.isin(found.keys, known))):
+            return known, model
+        wider = model.with_more(found.gap[new], found.jacobian[new], found.penalty[new])
+        return np.concatenate([known, found.keys[new]]), wider
 
     def _lacking(
         self, model: OneSidedModel, matrix: Matrix, step: Array, trial: State, proximal: ProximalTerm

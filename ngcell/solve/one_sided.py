@@ -93,6 +93,15 @@ class OneSidedModel:
         """Return the model with another curvature of gaps; without one they are as if linear in displacements."""
         return replace(self, stiffness=replace(self.stiffness, moving=curvature))
 
+    def with_more(self, gap: Array, jacobian: sparse.csr_array, penalty: Array) -> OneSidedModel:
+        """Return the model with more penalty terms, after its own."""
+        return replace(
+            self,
+            gap=np.concatenate([self.gap, gap]),
+            jacobian=sparse.vstack([self.jacobian, jacobian], format="csr"),
+            penalty=np.concatenate([self.penalty, penalty]),
+        )
+
     @cached_property
     def full_gradient(self) -> Array:
         """The gradient at 0, penalty terms included; zero on unknowns that are not free."""

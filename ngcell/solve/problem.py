@@ -71,6 +71,26 @@ class Linearisation(Protocol):
         """What tells the constraints of different states apart."""
 
 
+class Constraints(Protocol):
+    """One-sided constraints; attributes as for `Linearisation`."""
+
+    @property
+    def gap(self) -> Array:
+        """Gaps of the one-sided constraints, shape (n,)."""
+
+    @property
+    def jacobian(self) -> sparse.csr_array:
+        """Their derivatives, shape (n, unknowns)."""
+
+    @property
+    def penalty(self) -> Array:
+        """Their stiffness, shape (n,)."""
+
+    @property
+    def keys(self) -> Index:
+        """What tells the constraints of different states apart."""
+
+
 class Driven(Protocol):
     """How a load takes in work."""
 
@@ -177,6 +197,9 @@ class Problem(Protocol):
 
     def take_multipliers(self, keys: Index, lowered: Array) -> None:
         """Take multipliers that are foreseen, by how much they lower the gaps of constraints with these keys."""
+
+    def kinks(self, state: Any, after: Any) -> Constraints | None:
+        """Return constraints that a model about a state needs for steps over kinks, as that to another; None if none."""
 
     def note_kinks(self, state: Any) -> bool:
         """Change the energy of other places where its kinks would hold up steps from here, and tell whether it has."""

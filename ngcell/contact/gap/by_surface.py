@@ -7,10 +7,12 @@ from functools import partial, singledispatch
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 
 from ngcell.contact.gap.beside_corners import Corners
 from ngcell.contact.gap.edge_gap import EdgeGap, edge_kinematics
 from ngcell.contact.gap.facet_gap import FacetGap, facet_kinematics
+from ngcell.contact.gap.joints_ahead import joints_ahead
 from ngcell.contact.gap.kinematics import Gap, GapKinematics
 from ngcell.contact.pairing.pairs import ContactPairs
 from ngcell.contact.surface.edges import EdgeSurface
@@ -41,9 +43,24 @@ def gap_of(walls: Surface) -> Gap:
     raise NotImplementedError(type(walls))
 
 
+@singledispatch
+def joints_pressed_over(
+    walls: Surface,
+    before: GapKinematics,
+    place: NDArray[np.int64],
+    after: GapKinematics,
+    positions: NDArray[np.float64],
+    moved: NDArray[np.float64],
+) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64], sparse.csr_array] | None:
+    """Return what `ngcell.contact.gap.joints_ahead` does; None of faces."""
+    raise NotImplementedError(type(walls))
+
+
 gap_kinematics.register(EdgeSurface, edge_kinematics)
 gap_kinematics.register(FacetSurface, facet_kinematics)
 single_pass_kinematics.register(EdgeSurface, lambda walls: Corners(walls).kinematics)
 single_pass_kinematics.register(FacetSurface, lambda walls: partial(gap_kinematics, walls))
+joints_pressed_over.register(EdgeSurface, joints_ahead)
+joints_pressed_over.register(FacetSurface, lambda *_: None)
 gap_of.register(EdgeSurface, lambda walls: EdgeGap())
 gap_of.register(FacetSurface, lambda walls: FacetGap())

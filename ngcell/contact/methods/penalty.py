@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ngcell.contact.gap.by_surface import gap_kinematics, single_pass_kinematics
+from ngcell.contact.gap.by_surface import gap_kinematics, joints_pressed_over, single_pass_kinematics
 from ngcell.contact.gap.kinematics import GapKinematics
 from ngcell.contact.methods.overlaps import Mask, Overlaps, overlaps
 from ngcell.contact.methods.protocol import ContactMethod, ContactSet
@@ -34,6 +34,7 @@ from ngcell.contact.pairing.pairs import ContactPairs
 from ngcell.contact.pairing.search import PairSearch
 from ngcell.contact.surface.surface import Surface, SurfacePoints, chosen_points
 from ngcell.mechanics.stored import StoredEnergy
+from ngcell.mechanics.term import OneSided
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -68,6 +69,7 @@ class PenaltySet:
     stiffness: Array
     other_part: Index
     part_count: int
+    walls: Surface
 
     @property
     def keys(self) -> Index:
@@ -99,6 +101,19 @@ class PenaltySet:
     def contact_forces(self, positions: Array) -> Array:
         """Return the force that each contact pair transmits [stress * length**(dimension - 1)], >= 0."""
         return -self.stiffness * np.minimum(self.kinematics.gaps(positions), 0)
+
+    def joints_ahead(self, positions: Array, then: ContactSet, moved: Array) -> OneSided | None:
+        """Return the distances to joints that points were pressed over by a step to another set; its keys are those of
+        the points."""
+        assert isinstance(then, PenaltySet)
+        place = np.searchsorted(then.keys, self.keys)
+        place = np.where(place < len(then.keys), place, -1)
+        place[then.keys[place] != self.keys] = -1
+        found = joints_pressed_over(self.walls, self.kinematics, place, then.kinematics, positions, moved)
+        if found is None or not len(found[0]):
+            return None
+        chosen, factor, ahead, jacobian = found
+        return OneSided(ahead, jacobian, factor * self.stiffness[chosen], self.keys[chosen])
 
     def missed(self, positions: Array) -> dict[str, float]:
         """Return nothing: a penalty has no conditions of its own."""
@@ -199,7 +214,7 @@ class PenaltyContact:
         kinematics = self._kinematics(self._search.pairs(self.walls.nodes(positions)), positions)
         pairs, part = kinematics.pairs, self.walls.part
         stiffness = 0.5 * self._pairwise(pairs) * pairs.weight
-        return PenaltySet(kinematics, stiffness, part[pairs.secondary], int(part.max(initial=0)) + 1)
+        return PenaltySet(kinematics, stiffness, part[pairs.secondary], int(part.max(initial=0)) + 1, self.walls)
 
     def couplings(self, positions: Array, margin: float) -> tuple[Index, Index]:
         """Return rows and columns of all scalar unknowns that contact could couple while nothing moves by more
