@@ -173,7 +173,7 @@ class Term(ABC):
         return None if found is None else (found.keys, found.gap)
 
     def kinks(self, at: Configuration, after: Configuration) -> OneSided | None:
-        """Return penalty terms that a model about a configuration needs for steps over kinks, as that to another one."""
+        """Return penalty terms that a model needs for steps over kinks, as that to another configuration."""
         return None
 
     def couplings(self, at: Configuration, margin: float) -> tuple[Index, Index]:

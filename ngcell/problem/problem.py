@@ -151,7 +151,7 @@ class Problem:
         return together([replace(part, keys=len(self._sum) * part.keys + number) for number, part in found], at)
 
     def kinks(self, state: State, after: State) -> OneSided | None:
-        """Return constraints that a model about a state needs for steps over kinks, as that to another; None if none."""
+        """Return constraints that a model needs for steps over kinks, as that to another state; None if none."""
         given = [(number, term.kinks(state.at, after.at)) for number, term in enumerate(self._sum)]
         found = [(number, part) for number, part in given if part is not None]
         if not found:

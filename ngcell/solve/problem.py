@@ -199,7 +199,7 @@ class Problem(Protocol):
         """Take multipliers that are foreseen, by how much they lower the gaps of constraints with these keys."""
 
     def kinks(self, state: Any, after: Any) -> Constraints | None:
-        """Return constraints that a model about a state needs for steps over kinks, as that to another; None if none."""
+        """Return constraints that a model needs for steps over kinks, as that to another state; None if none."""
 
     def note_kinks(self, state: Any) -> bool:
         """Change the energy of other places where its kinks would hold up steps from here, and tell whether it has."""
