@@ -1,4 +1,4 @@
-"""Concave joints that a point is pressed over: what a model has of them is the energy in the sector behind the joint."""
+"""Concave joints that a point is pressed over: what models have of them is the energy in the sector behind a joint."""
 
 from __future__ import annotations
 

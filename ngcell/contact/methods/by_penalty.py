@@ -27,8 +27,8 @@ class Penalty(Section):
         Multiple of the penalty stiffness that is derived from material, mesh and accuracy, > 0, without unit.
     single_pass_corners : bool
         Whether next to convex corners of planar walls only the corner's wall is integrated, elsewhere both: corners
-        then slide without bumps at the quadrature points of other walls, and cells slide farther. Prisms and other solids
-        have both passes, whatever it says.
+        then slide without bumps at the quadrature points of other walls, and cells slide farther. Prisms and other
+        solids have both passes, whatever it says.
     """
 
     kind: Literal["penalty"] = "penalty"
