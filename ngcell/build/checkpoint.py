@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.mechanics.term import Drive
+from ngcell.mechanics.drive import Drive
 from ngcell.results.measure import WorkPoint
 from ngcell.results.onset import PairOnsets
 from ngcell.results.rupture.cells import CellEnds

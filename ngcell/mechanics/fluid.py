@@ -21,11 +21,12 @@ from scipy import sparse
 
 from ngcell.mechanics.applied.boundary_pressure import Pressure
 from ngcell.mechanics.applied.potential import AppliedLoads
+from ngcell.mechanics.drive import Drive
 from ngcell.mechanics.report import Check, Scales
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.stored import StoredEnergy
 from ngcell.mechanics.supports import PrescribedMotion
-from ngcell.mechanics.term import Configuration, Drive, Role, Term
+from ngcell.mechanics.term import Configuration, Role, Term
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

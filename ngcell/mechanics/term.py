@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from ngcell.mechanics.drive import Drive
 from ngcell.mechanics.report import Check, Scales
 from ngcell.mechanics.stored import StoredEnergy
 
@@ -89,25 +90,6 @@ class OneSided:
     def gradient(self) -> Array:
         """Gradient of their energy, shape (unknowns,)."""
         return np.asarray(self.jacobian.T @ (self.penalty * np.minimum(self.gap, 0)))
-
-
-@dataclass(frozen=True)
-class Drive:
-    """How a term that is driven by the load factor takes in work.
-
-    Attributes
-    ----------
-    share : float
-        Share of the full load that acts.
-    potential : float
-        Potential at the full load [energy]; it falls as the load does work.
-    rate : float
-        Work for each unit of the share that is taken in besides [energy].
-    """
-
-    share: float
-    potential: float
-    rate: float
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,17 +15,18 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from ngcell.mechanics.drive import Drive
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.stored import StoredEnergy
 from ngcell.mechanics.symbolic import SymbolicTerm
 from ngcell.mechanics.symbolic_sum import fused, parts_of
-from ngcell.mechanics.term import NO_ENTRIES, Configuration, Drive, OneSided, Role, Term
+from ngcell.mechanics.term import NO_ENTRIES, Configuration, OneSided, Role, Term
 from ngcell.problem.of_components import OfComponents
 from ngcell.problem.reports import deepest_overlap
 from ngcell.problem.rotation import finite_rotation_update
 from ngcell.problem.state import Linearisation, State
 from ngcell.problem.stored import stored_by
-from ngcell.problem.sums import folded, joined, together, total, whole_gradient
+from ngcell.problem.sums import folded, joined, keyed, sorted_gaps, together, total, whole_gradient
 from ngcell.problem.tie import Tie
 from ngcell.problem.unknowns import OwnUnknowns, TiedUnknowns, UnknownMap
 
@@ -136,38 +137,28 @@ class Problem:
         if self._factors is not None:
             stiffness = stiffness * self._factors
         curvature = folded(self.unknowns, (term.curvature(at) for term in self._sum))
-        constraints = self._constraints(at)
-        constraints = replace(constraints, jacobian=self.unknowns.fold_columns(constraints.jacobian))
-        return Linearisation(gradient, stiffness, curvature, constraints)
+        return Linearisation(gradient, stiffness, curvature, self._folded(self._constraints(at)))
 
     def convex_curvature(self, state: State) -> sparse.coo_array | None:
         """Return a convex part of the curvature of constraints."""
         return folded(self.unknowns, (term.convex_curvature(state.at) for term in self._sum))
 
+    def _folded(self, constraints: OneSided) -> OneSided:
+        """Return constraints with derivatives by the unknowns that are solved for."""
+        return replace(constraints, jacobian=self.unknowns.fold_columns(constraints.jacobian))
+
     def _constraints(self, at: Configuration) -> OneSided:
         """Return the constraints of all terms; keys of different terms differ."""
-        given = [(number, term.constraints(at)) for number, term in enumerate(self._sum)]
-        found = [(number, part) for number, part in given if part is not None]
-        return together([replace(part, keys=len(self._sum) * part.keys + number) for number, part in found], at)
+        return together(keyed((term.constraints(at) for term in self._sum), len(self._sum)), at)
 
     def kinks(self, state: State, after: State) -> OneSided | None:
         """Return constraints that a model needs for steps over kinks, as that to another state; None if none."""
-        given = [(number, term.kinks(state.at, after.at)) for number, term in enumerate(self._sum)]
-        found = [(number, part) for number, part in given if part is not None]
-        if not found:
-            return None
-        whole = together([replace(part, keys=len(self._sum) * part.keys + number) for number, part in found], state.at)
-        return replace(whole, jacobian=self.unknowns.fold_columns(whole.jacobian))
+        found = keyed((term.kinks(state.at, after.at) for term in self._sum), len(self._sum))
+        return self._folded(together(found, state.at)) if found else None
 
     def gaps(self, state: State) -> tuple[Index, Array]:
         """Return the keys of the constraints of a state, increasing, and their gaps."""
-        given = [(number, term.gaps(state.at)) for number, term in enumerate(self._sum)]
-        found = [(len(self._sum) * gaps[0] + number, gaps[1]) for number, gaps in given if gaps is not None]
-        if not found:
-            return np.zeros(0, dtype=np.int64), np.zeros(0)
-        keys, gap = (np.concatenate(part) for part in zip(*found, strict=True))
-        order = np.argsort(keys, kind="stable")
-        return keys[order], gap[order]
+        return sorted_gaps([term.gaps(state.at) for term in self._sum])
 
     @property
     def pattern(self) -> tuple[Index, Index]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from functools import reduce
 from operator import add
 from typing import TypeVar
@@ -15,6 +16,7 @@ from ngcell.mechanics.term import Configuration, OneSided, Term
 from ngcell.problem.unknowns import UnknownMap
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 Number = TypeVar("Number", bound=np.generic)
 
 
@@ -38,6 +40,23 @@ def folded(unknowns: UnknownMap, matrices: Iterable[sparse.coo_array | None]) ->
     """Return the sum of symmetric matrices in the unknowns that are solved for; None if there are none."""
     found = [matrix for matrix in matrices if matrix is not None]
     return unknowns.fold_curvature(reduce(add, found)) if found else None
+
+
+def keyed(given: Iterable[OneSided | None], count: int) -> list[OneSided]:
+    """Return the constraints that terms give, with keys that differ from term to term; `count` is that of terms."""
+    return [
+        replace(part, keys=count * part.keys + number) for number, part in enumerate(given) if part is not None
+    ]
+
+
+def sorted_gaps(given: Sequence[tuple[Index, Array] | None]) -> tuple[Index, Array]:
+    """Return the keys of the constraints of all terms, as `keyed` makes them, increasing, and their gaps."""
+    found = [(len(given) * gaps[0] + number, gaps[1]) for number, gaps in enumerate(given) if gaps is not None]
+    if not found:
+        return np.zeros(0, dtype=np.int64), np.zeros(0)
+    keys, gap = (np.concatenate(part) for part in zip(*found, strict=True))
+    order = np.argsort(keys, kind="stable")
+    return keys[order], gap[order]
 
 
 def together(found: Sequence[OneSided], at: Configuration) -> OneSided:

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.mechanics.drive import Drive
 from ngcell.mechanics.report import Check
-from ngcell.mechanics.term import Drive
 from ngcell.problem.problem import Problem
 from ngcell.problem.reports import columns
 from ngcell.problem.state import State

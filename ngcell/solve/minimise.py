@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from ngcell.clock import Clock
 from ngcell.solve.assembly import Assembly
-from ngcell.solve.curved import corrected
+from ngcell.solve.curved import Curved
 from ngcell.solve.damping import Damper
 from ngcell.solve.effort import Budget, Effort
 from ngcell.solve.inner import minimise_one_sided
@@ -37,7 +37,6 @@ from ngcell.solve.stall import Progress
 from ngcell.solve.trials import Trials
 
 Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 
 @dataclass
@@ -146,8 +145,7 @@ class Minimiser:
         """
         jump, model, matrix = self._jump(displacement, imposed, weight)
         driven = matrix.multiply(model.stiffness, jump) - model.pulled(model.penalty * np.minimum(model.gap, 0))
-        gradient = np.where(self.problem.free, driven, 0.0)
-        moved = replace(model, gradient=gradient, gap=model.gap + model.jacobian @ jump)
+        moved = replace(model, gradient=np.where(self.problem.free, driven, 0.0), gap=model.gap + model.jacobian @ jump)
         found = minimise_one_sided(moved, matrix, self.options.foreseeing)
         self.effort.factorisations += found.factorisations
         return displacement + jump + found.step
@@ -247,8 +245,7 @@ class Minimiser:
         lost = max(self.options.round_off * abs(energy), self.options.noise * self.energy_scale)
         undamped, matrix = self.assembly.model(state, line, proximal)
         is_last, is_whole = False, undamped.is_bent and self.problem.has_multipliers
-        over = np.zeros(0, dtype=np.int64)
-        force = float(np.linalg.norm(undamped.full_gradient))
+        curved, force = Curved(self.problem, self._newton, state, line), float(np.linalg.norm(undamped.full_gradient))
         for _ in range(self.options.most_refusals):
             model = self.assembly.damped(undamped, damping)
             found, lacking = self._newton.step(model, matrix, misfit), self._damper.none
@@ -270,10 +267,8 @@ class Minimiser:
                     return Advance(trial, self._damper.none, found.decrement, is_led, force=force)
                 least = self.options.poor * -change
                 if gain <= least:
-                    over, undamped = self._with_kinks(undamped, over, state, trial)
-                    model = self.assembly.damped(undamped, damping)
-                    system = model, matrix
-                    bent = corrected(self.problem, self._newton, line, system, step, trial, least - gain, over)
+                    model = self.assembly.damped(undamped := curved.with_kinks(undamped, trial), damping)
+                    bent = curved.corrected((model, matrix), step, trial, least - gain)
                     again = (trial, gain) if bent is None else trials.after(bent)
                     trial, gain = again if again[1] > least else (trial, gain)
                 if not gain >= self.options.fair * -change:  # or no energy at all
@@ -292,17 +287,6 @@ class Minimiser:
                 damping = self._damper.straightened(damping, *found.not_convex)
             self.effort.refusals += 1
         return None
-
-    def _with_kinks(
-        self, model: OneSidedModel, known: Index, state: State, trial: State
-    ) -> tuple[Index, OneSidedModel]:
-        """Return the keys of constraints whose kinks are in the model, and the model with those that a step went over.
-        """
-        found = self.problem.kinks(state, trial) if np.isfinite(trial.energy) else None
-        if found is None or not len(new := np.flatnonzero(~np.isin(found.keys, known))):
-            return known, model
-        wider = model.with_more(found.gap[new], found.jacobian[new], found.penalty[new])
-        return np.concatenate([known, found.keys[new]]), wider
 
     def _lacking(
         self, model: OneSidedModel, matrix: Matrix, step: Array, trial: State, proximal: ProximalTerm

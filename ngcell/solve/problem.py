@@ -35,7 +35,27 @@ class State(Protocol):
         """The energy, NaN where it is not defined."""
 
 
-class Linearisation(Protocol):
+class Constraints(Protocol):
+    """One-sided quadratic constraints."""
+
+    @property
+    def gap(self) -> Array:
+        """Gaps, shape (n,)."""
+
+    @property
+    def jacobian(self) -> sparse.csr_array:
+        """Their derivatives, shape (n, unknowns)."""
+
+    @property
+    def penalty(self) -> Array:
+        """Their stiffness, shape (n,)."""
+
+    @property
+    def keys(self) -> Index:
+        """What tells the constraints of different states apart."""
+
+
+class Linearisation(Constraints, Protocol):
     """Second-order model about a state; see `ngcell.problem.state.Linearisation`."""
 
     @property
@@ -51,44 +71,8 @@ class Linearisation(Protocol):
         """The part of the second derivative whose pattern moves."""
 
     @property
-    def gap(self) -> Array:
-        """Gaps of the one-sided constraints, shape (n,)."""
-
-    @property
-    def jacobian(self) -> sparse.csr_array:
-        """Their derivatives, shape (n, unknowns)."""
-
-    @property
-    def penalty(self) -> Array:
-        """Their stiffness, shape (n,)."""
-
-    @property
     def lowered(self) -> Array | None:
         """By how much multipliers lower the gaps [length]; NaN where a constraint has none, None where no one has."""
-
-    @property
-    def keys(self) -> Index:
-        """What tells the constraints of different states apart."""
-
-
-class Constraints(Protocol):
-    """One-sided constraints; attributes as for `Linearisation`."""
-
-    @property
-    def gap(self) -> Array:
-        """Gaps of the one-sided constraints, shape (n,)."""
-
-    @property
-    def jacobian(self) -> sparse.csr_array:
-        """Their derivatives, shape (n, unknowns)."""
-
-    @property
-    def penalty(self) -> Array:
-        """Their stiffness, shape (n,)."""
-
-    @property
-    def keys(self) -> Index:
-        """What tells the constraints of different states apart."""
 
 
 class Driven(Protocol):

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ngcell.contact.methods.penalty import PenaltyContact, PenaltySet
+from ngcell.contact.methods.penalty import PenaltyContact
+from ngcell.contact.methods.penalty_set import PenaltySet
 from ngcell.mechanics.term import OneSided
 from tests.contact.test_notches import ASIDE, DEPTH, NOTCH, ORDERS, Pressed
 from tests.tissues import LONGEST_STEP

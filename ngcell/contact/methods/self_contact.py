@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ngcell.contact.methods.overlaps import overlaps
-from ngcell.contact.methods.penalty import DEEP, PenaltyContact, PenaltySet
+from ngcell.contact.methods.penalty import DEEP, PenaltyContact
+from ngcell.contact.methods.penalty_set import PenaltySet
 from ngcell.contact.methods.penalty_stiffness import penalty_stiffness
 from ngcell.contact.methods.terms import COMPLEMENTARITY, named, unnamed
 from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions

@@ -12,11 +12,12 @@ from ngcell.mechanics.applied.body_force import BodyForce
 from ngcell.mechanics.applied.potential import AppliedLoads
 from ngcell.mechanics.applied.protocol import AppliedLoad
 from ngcell.mechanics.applied.traction import Traction
+from ngcell.mechanics.drive import Drive
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.mechanics.swept import swept_by
 from ngcell.mechanics.symbolic import EnergyForm, Integrals
-from ngcell.mechanics.term import Configuration, Drive, Role, Term
+from ngcell.mechanics.term import Configuration, Role, Term
 
 Array = NDArray[np.float64]
 

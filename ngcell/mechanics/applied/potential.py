@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.mechanics.applied.protocol import AppliedLoad
+from ngcell.mechanics.drive import Drive
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.mechanics.swept import swept_by
 from ngcell.mechanics.symbolic import Integrals, SymbolicTerm
-from ngcell.mechanics.term import Configuration, Drive, Role
+from ngcell.mechanics.term import Configuration, Role
 
 Array = NDArray[np.float64]
 
