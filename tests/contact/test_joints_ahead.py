@@ -65,6 +65,15 @@ def test_a_model_with_it_has_the_energy_in_the_sector_behind_the_joint():
     assert added == pytest.approx(lacking, rel=0.1), (added, lacking)
 
 
+def test_nothing_is_told_of_a_step_out_of_reach():
+    tip = Tip(order=1)
+    (start, at), far = tip.at(ASIDE), tip.pressed.tissue.body_translation(1, np.array([1.0, 0.0]))
+    there = tip.pressed.positions(far)
+    apart = tip.contact.pair(there)
+    assert not len(apart.keys)
+    assert start.joints_ahead(at, apart, there) is None
+
+
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize(
     ("notch", "before", "after"),

@@ -75,9 +75,11 @@ class PenaltySet:
     def joints_ahead(self, positions: Array, then: PenaltySet, moved: Array) -> OneSided | None:
         """Return the distances to joints that points were pressed over by a step to another set; its keys are those of
         the points."""
-        place = np.searchsorted(then.keys, self.keys)
-        place = np.where(place < len(then.keys), place, -1)
-        place[then.keys[place] != self.keys] = -1
+        if not len(then.keys):
+            return None
+        order = np.argsort(then.keys, kind="stable")
+        place = order[np.minimum(np.searchsorted(then.keys, self.keys, sorter=order), len(order) - 1)]
+        place = np.where(then.keys[place] == self.keys, place, -1)
         found = joints_pressed_over(self.walls, self.kinematics, place, then.kinematics, positions, moved)
         if found is None or not len(found[0]):
             return None
