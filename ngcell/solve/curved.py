@@ -39,11 +39,14 @@ class Curved:
     state: State
     line: Linearisation
     _over: Index = field(default_factory=lambda: np.zeros(0, dtype=np.int64), init=False)
+    _has_new: bool = field(default=False, init=False)
 
     def with_kinks(self, model: OneSidedModel, trial: State) -> OneSidedModel:
         """Return a model with the kinks that the step to a state went over, and that it does not have yet."""
         found = self.problem.kinks(self.state, trial) if np.isfinite(trial.energy) else None
-        if found is None or not len(new := np.flatnonzero(~np.isin(found.keys, self._over))):
+        new = np.zeros(0, dtype=np.int64) if found is None else np.flatnonzero(~np.isin(found.keys, self._over))
+        self._has_new = len(new) > 0
+        if found is None or not self._has_new:
             return model
         self._over = np.concatenate([self._over, found.keys[new]])
         return model.with_more(found.gap[new], found.jacobian[new], found.penalty[new])
@@ -54,7 +57,7 @@ class Curved:
         """Return a step that follows the curvature of gaps; None where it is of no use.
 
         It wins back what the penalty terms store beyond the model; where the energy that is `lacking` is more, it is
-        not tried. What constraints turned out to be whose kinks the model has is not added.
+        tried only if the model has new kinks. What their constraints turned out to be is not added.
 
         Parameters
         ----------
@@ -80,7 +83,7 @@ class Curved:
         surplus[own] = np.where(known, gaps[place] - foreseen[own], 0.0)
         if not known.any() or float(np.abs(surplus).max()) > self.newton.longest_step:
             return None
-        if model.stored(foreseen + surplus) - model.stored(foreseen) <= lacking:
+        if not self._has_new and model.stored(foreseen + surplus) - model.stored(foreseen) <= lacking:
             return None
         surplus[own][np.isin(mine, self._over)] = 0.0
         bent = self.newton.step(replace(model, gap=model.gap + surplus), matrix)

@@ -85,6 +85,9 @@ class Landscape:
         gap = np.array([self.stop - state.displacement[0]] if np.isfinite(self.stop) else [])
         return np.arange(len(gap)), gap
 
+    def kinks(self, state: Point, after: Point) -> None:
+        return None
+
     def note_kinks(self, state: Point) -> bool:
         return False
 
@@ -107,6 +110,47 @@ class Crease(Landscape):
         return replace(
             super().linearise(state), gradient=np.array([10 * np.sign(x), y, 0.0]), stiffness=np.array([1.0, 1.0, 0.0])
         )
+
+
+@dataclass(frozen=True)
+class Kink:
+    gap: np.ndarray
+    jacobian: sparse.csr_array
+    penalty: np.ndarray
+    keys: np.ndarray
+
+
+@dataclass
+class Notch(Landscape):
+    """A slope down along x to a narrow notch, of which models from before and from behind see nothing.
+
+    E = -x + slack x^2 / 2 + stiff / 2 min(max(0, x), width)^2, beyond the notch with a slope of 1
+    """
+
+    slack, stiff, width = 0.1, 1e3, 2e-3
+    is_told: bool = True
+
+    def at(self, displacement: np.ndarray) -> Point:
+        x, y, z = displacement
+        inside = min(max(0.0, x), self.width)
+        energy = -x + self.slack * x * x / 2 + self.stiff * inside * (inside / 2 + max(0.0, x - self.width))
+        return Point(displacement, energy + y * y / 2 + z * z / 2)
+
+    def linearise(self, state: Point) -> Model:
+        x, y, z = state.displacement
+        inside = min(max(0.0, x), self.width)
+        slope, bend = -1 + self.slack * x + self.stiff * inside, self.slack + self.stiff * (0 < x < self.width)
+        found = super().linearise(state)
+        return replace(found, gradient=np.array([slope, y, z]), stiffness=np.array([bend, 1.0, 1.0]))
+
+    def kinks(self, state: Point, after: Point) -> Kink | None:
+        way = np.sign(after.displacement[0] - state.displacement[0])
+        edge = 0.0 if way > 0 else self.width
+        gap, left = (way * (edge - place.displacement[0]) for place in (state, after))
+        if not self.is_told or gap <= 0 or left >= 0:
+            return None
+        jacobian = sparse.csr_array([[-way, 0, 0]])
+        return Kink(np.array([gap]), jacobian, np.array([self.stiff]), np.zeros(1, dtype=int))
 
 
 class Overhang(Landscape):
@@ -287,6 +331,19 @@ def test_a_refused_step_is_corrected_for_gaps_only_where_they_are_to_blame():
     assert spent.refusals > 0
     # One evaluation a try, and that of the start: a correction would be one more.
     assert spent.evaluations <= 1 + spent.iterations + spent.refusals
+
+
+def test_a_notch_that_a_step_went_over_is_in_its_model():
+    start = np.array([-0.5, 1.0, 0.5])
+
+    def found(*, is_told: bool) -> tuple[Minimum, Effort]:
+        minimiser = Minimiser(Notch(stop=10.0, is_told=is_told), longest_step=1.0, energy_scale=1.0)
+        return minimiser.minimise(start, NOWHERE), minimiser.effort
+
+    (told, effort), (_, untold) = found(is_told=True), found(is_told=False)
+    assert told.ending is Ending.CONVERGED
+    np.testing.assert_allclose(told.state.displacement, [1e-3, 0, 0], atol=2e-6)
+    assert effort.refusals <= 1 < 5 < untold.refusals
 
 
 def test_a_step_has_a_budget_of_factorisations_and_refusals():
