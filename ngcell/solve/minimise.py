@@ -118,7 +118,7 @@ class Minimiser:
                 return Minimum(state, Ending.CONVERGED, left, proximal)
             if self.problem.note_kinks(state):
                 state = self._at(state.displacement)
-            progress.note(decrement, total, advance.was_damped or self.effort.refusals > refusals)
+            progress.note(decrement, total, self.effort.refusals > refusals)
             if progress.creeps(self.total(state, proximal), tolerance):
                 return Minimum(state, Ending.STALLED, decrement, proximal)
             if progress.rests_below(self._unseen(state)):
