@@ -118,7 +118,7 @@ class Minimiser:
                 return Minimum(state, Ending.CONVERGED, left, proximal)
             if self.problem.note_kinks(state):
                 state = self._at(state.displacement)
-            progress.note(decrement, total, self.effort.refusals > refusals)
+            progress.note(decrement, total, self.effort.refusals > refusals or advance.was_held(self.longest_step))
             if progress.creeps(self.total(state, proximal), tolerance):
                 return Minimum(state, Ending.STALLED, decrement, proximal)
             if progress.rests_below(self._unseen(state)):
@@ -278,7 +278,7 @@ class Minimiser:
                         trial, gain = trials.farther(step, (trial, gain), self.longest_step)
                     relaxed = self._damper.relaxed(damping, step, slope, lacking, gain / -change)
                     off = float("inf") if is_led or found.share < 1 else abs(gain / -change - 1)
-                    return Advance(trial, relaxed, found.decrement, is_led and not is_last, off, force)
+                    return Advance(trial, relaxed, found.decrement, is_led and not is_last, off, force, step)
             if not is_convex and is_whole:
                 undamped, is_whole = self.assembly.convex(undamped, state), False
             elif is_convex or found.not_convex is None:

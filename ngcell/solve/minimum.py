@@ -63,8 +63,25 @@ class Minimum:
 
 @dataclass(frozen=True, eq=False)
 class Advance:
-    """The next iterate, the damping of each body to go on with, the decrement, whether damping led here, or a model
-    that is not convex, by which share of its decrease the model was off, and the norm of the forces before."""
+    """The next iterate.
+
+    Attributes
+    ----------
+    state : State
+        The iterate.
+    damping : array of float, shape (bodies,)
+        The damping of each body to go on with.
+    decrement : float
+        The Newton decrement [energy].
+    was_damped : bool
+        Whether damping led here, or a model that is not convex.
+    misfit : float
+        The share of its decrease by which the model was off.
+    force : float
+        The norm of the forces before.
+    step : array of float, shape (unknowns,), or None
+        The step as the model had it [length].
+    """
 
     state: State
     damping: NDArray[np.float64]
@@ -72,3 +89,8 @@ class Advance:
     was_damped: bool
     misfit: float = inf
     force: float = nan
+    step: NDArray[np.float64] | None = None
+
+    def was_held(self, longest: float) -> bool:
+        """Return whether damping led here, and not since a step would have been longer than the longest [length]."""
+        return self.was_damped and self.step is not None and bool(np.abs(self.step).max() < longest / 2)

@@ -21,10 +21,10 @@ class Progress:
     _rested: int = 0
     _totals: list[float] = field(default_factory=list)
 
-    def note(self, decrement: float, total: float, was_refused: bool) -> None:
-        """Take down an iteration: its decrement [energy], the energy that it started from, whether a step was refused.
-        """
-        self._totals = [*self._totals[1 - self.idle :], total] if was_refused else []
+    def note(self, decrement: float, total: float, was_held: bool) -> None:
+        """Take down an iteration: its decrement [energy], the energy that it started from, whether a step was refused,
+        or damped."""
+        self._totals = [*self._totals[1 - self.idle :], total] if was_held else []
         if decrement < self._lowest / 4:
             self._lowest, self._rested = decrement, 0
         elif decrement <= 4 * self._lowest:
@@ -35,6 +35,6 @@ class Progress:
         return self._rested == self.idle and self._lowest <= decrement
 
     def creeps(self, total: float, tolerance: float) -> bool:
-        """Return whether as many iterations as tell had steps refused, and gained less than `tolerance` [energy]
-        together: at a kink, where the model of the energy says nothing of the other side."""
+        """Return whether as many iterations as tell had steps refused or damped, and gained less than `tolerance`
+        [energy] together: at a kink, where the model of the energy says nothing of the other side."""
         return len(self._totals) == self.idle and self._totals[0] - total < tolerance

@@ -10,9 +10,10 @@ from scipy import sparse
 
 from ngcell.solve.effort import Budget, Effort, OutOfIterations
 from ngcell.solve.minimise import Minimiser
-from ngcell.solve.minimum import Ending, Minimum
+from ngcell.solve.minimum import Advance, Ending, Minimum
 from ngcell.solve.options import MinimiserOptions
 from ngcell.solve.proximal import ProximalTerm
+from ngcell.solve.stall import Progress
 
 NOWHERE = ProximalTerm(0.0, np.zeros(3))
 
@@ -297,6 +298,14 @@ def test_where_steps_creep_along_a_kink_a_minimisation_ends_as_exact_as_it_is_to
     rough, exact = (descend(crease, (0.01, 1.0, 0.0), tolerance=tolerance) for tolerance in (1e-2, 1e-9))
     assert rough.ending is Ending.STALLED
     assert exact.state.energy < rough.state.energy < 1
+
+
+@pytest.mark.parametrize(("length", "gained", "creeps"), [(0.01, 0.1, True), (0.25, 0.1, False), (0.01, 0.3, False)])
+def test_damped_iterations_creep_where_they_gain_little_and_are_not_as_long_as_allowed(length, gained, creeps):
+    progress, advance = Progress(5), Advance(Point(np.zeros(3), 0.0), np.ones(1), 1.0, True, step=np.array([0.0, -length]))
+    for number in range(5):
+        progress.note(1.0, -number * gained, advance.was_held(0.25))
+    assert progress.creeps(-5 * gained, 1.0) == creeps
 
 
 def test_held_unknowns_keep_their_values():
