@@ -302,7 +302,8 @@ def test_where_steps_creep_along_a_kink_a_minimisation_ends_as_exact_as_it_is_to
 
 @pytest.mark.parametrize(("length", "gained", "creeps"), [(0.01, 0.1, True), (0.25, 0.1, False), (0.01, 0.3, False)])
 def test_damped_iterations_creep_where_they_gain_little_and_are_not_as_long_as_allowed(length, gained, creeps):
-    progress, advance = Progress(5), Advance(Point(np.zeros(3), 0.0), np.ones(1), 1.0, True, step=np.array([0.0, -length]))
+    progress, step = Progress(5), np.array([0.0, -length])
+    advance = Advance(Point(np.zeros(3), 0.0), np.ones(1), 1.0, True, step=step)
     for number in range(5):
         progress.note(1.0, -number * gained, advance.was_held(0.25))
     assert progress.creeps(-5 * gained, 1.0) == creeps
