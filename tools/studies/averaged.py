@@ -5,7 +5,8 @@
 Where a tissue comes apart, last digits decide which corner slips first, and one scene may take half as long again after
 a change that means nothing. The sum over scenes that differ a little in shear, walls, pressure and number of cells
 hardly moves by that. Each run is a process of its own, in one level, on one thread; columns are those of `growing`.
-The table goes to `tools/results/averaged.md`; with contact of both passes at corners to `averaged-both-passes.md`.
+The table goes to `tools/results/averaged.md`, at another accuracy to `averaged-0.03.md` and so on; with contact of both
+passes at corners to `averaged-both-passes.md`.
 """
 
 from __future__ import annotations
@@ -19,7 +20,8 @@ from tools.commands import described
 from tools.places import RESULTS
 from tools.studies.growing import COLUMNS, Row, measured
 
-REPORT, BOTH_PASSES = RESULTS / "averaged.md", RESULTS / "averaged-both-passes.md"
+#: The accuracy of the table without a suffix.
+_USUAL = 0.1
 SCENES: dict[str, tuple[str, tuple[str, ...]]] = {
     **{
         f"5x7 to {displacement:g}": ("shear-empty", (f"load.displacement=[{displacement}, 0.0]",))
@@ -46,7 +48,7 @@ def total(rows: Iterable[Row]) -> Row:
 
 
 @described(__doc__)
-@click.option("--accuracy", default=0.1, show_default=True, type=click.FloatRange(0, min_open=True))
+@click.option("--accuracy", default=_USUAL, show_default=True, type=click.FloatRange(0, min_open=True))
 @click.option("--minutes", default=10.0, show_default=True, help="Most minutes of a run.")
 @click.option("--both-passes", is_flag=True, help="Contact with both passes at corners.")
 def command(accuracy: float, minutes: float, both_passes: bool) -> None:
@@ -59,4 +61,5 @@ def command(accuracy: float, minutes: float, both_passes: bool) -> None:
     said = words[2].partition("\n\n")[2].strip()
     lines = [[row.get(column, "") for column in COLUMNS] for row in (*rows, total(rows))]
     text = f"# Tissues on average\n\n{words[0]} {said}\n\n{tables.markdown(COLUMNS, lines)}\n"
-    (BOTH_PASSES if both_passes else REPORT).write_text(text, encoding="utf-8")
+    name = "averaged" + "-both-passes" * both_passes + f"-{accuracy:g}" * (accuracy != _USUAL)
+    (RESULTS / f"{name}.md").write_text(text, encoding="utf-8")
