@@ -25,6 +25,7 @@ from scipy import sparse
 from ngcell.contact.gap.kinematics import GapKinematics
 from ngcell.contact.surface.surface import Surface, SurfacePoints
 from ngcell.mechanics.stored import StoredEnergy
+from ngcell.mechanics.term import OneSided
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -68,6 +69,15 @@ class ContactSet(Protocol):
 
         ``weighted_overlap`` is a length, ``weighted_complementarity`` an energy. Empty where there are none.
         """
+
+
+@runtime_checkable
+class Jointed(Protocol):
+    """A contact set that tells which joints of edges points are pressed over."""
+
+    def joints_ahead(self, positions: Array, then: Any, moved: Array) -> OneSided | None:
+        """Return the distances to joints that a step went over, from `positions` to `moved`, where another set of the
+        same method was found; keys are those of the points."""
 
 
 @runtime_checkable

@@ -12,8 +12,7 @@ from scipy import sparse
 from ngcell.contact.cohesion.bonds import Bonds
 from ngcell.contact.methods.mortar_set import MortarSet
 from ngcell.contact.methods.overlaps import overlaps
-from ngcell.contact.methods.penalty_set import PenaltySet
-from ngcell.contact.methods.protocol import Adapting, ContactMethod, ContactSet
+from ngcell.contact.methods.protocol import Adapting, ContactMethod, ContactSet, Jointed
 from ngcell.contact.surface.surface import SurfacePoints
 from ngcell.mechanics.report import Check, Scales
 from ngcell.mechanics.stored import StoredEnergy
@@ -97,11 +96,9 @@ class ContactTerm(Term):
         return found.keys, found.gaps(at.positions)
 
     def kinks(self, at: Configuration, after: Configuration) -> OneSided | None:
-        """Return joints that points were pressed over; None of other methods than a penalty."""
+        """Return joints that points were pressed over; None of contact sets that tell of none."""
         found, then = self.found(at), self.found(after)
-        if not isinstance(found, PenaltySet) or not isinstance(then, PenaltySet):
-            return None
-        return found.joints_ahead(at.positions, then, after.positions)
+        return found.joints_ahead(at.positions, then, after.positions) if isinstance(found, Jointed) else None
 
     def curvature(self, at: Configuration) -> sparse.coo_array:
         """Return the part of the tangent that is due to the curvature of closed gaps."""
