@@ -92,5 +92,8 @@ class Advance:
     step: NDArray[np.float64] | None = None
 
     def was_held(self, longest: float) -> bool:
-        """Return whether damping led here, and not since a step would have been longer than the longest [length]."""
+        """Return whether damping led here, and not since a step would have been longer than the longest [length].
+
+        A step that is damped to be no longer has about that length; half of it tells them apart.
+        """
         return self.was_damped and self.step is not None and bool(np.abs(self.step).max() < longest / 2)
