@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from ngcell.geometry.near import components
 from ngcell.mechanics.drive import Drive
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.stored import StoredEnergy
@@ -58,6 +59,8 @@ class Problem:
         self.fixed, self._length = fixed.ravel(), length or space.bodies.length
         self.unknowns: UnknownMap = OwnUnknowns(self.fixed) if tie is None else TiedUnknowns(tie, space, self.fixed)
         self.free = self.unknowns.free
+        body = space.body_of_unknown
+        self._solid_of_body = components(space.body_count, body, body if tie is None else body[tie.master])
 
     @property
     def dimension(self) -> int:
@@ -68,6 +71,11 @@ class Problem:
     def part(self) -> Index:
         """Body of each unknown, shape (unknowns,)."""
         return np.tile(self.space.body_of_unknown, self.dimension)
+
+    @property
+    def solid(self) -> Index:
+        """Solid of each unknown, shape (unknowns,): bodies that are tied to each other are one."""
+        return np.asarray(self._solid_of_body[self.part])
 
     @cached_property
     def metric(self) -> OfComponents:
@@ -238,8 +246,9 @@ class Problem:
         return any([term.take_finer_rule(state.at) for term in self.terms if isinstance(term, SymbolicTerm)])
 
     def folded(self, state: State) -> Mask:
-        """Return the bodies that store no finite energy, since something in them is turned inside out."""
-        return ~np.isfinite(stored_by(self.terms, state.at, self.space.body_count)[0])
+        """Return the solids that store no finite energy, since something in them is turned inside out."""
+        folded = ~np.isfinite(stored_by(self.terms, state.at, self.space.body_count)[0])
+        return np.bincount(self._solid_of_body, weights=folded) > 0
 
     @property
     def has_multipliers(self) -> bool:

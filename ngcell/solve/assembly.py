@@ -65,7 +65,7 @@ class Assembly:
         """Return a model with a damping of each body, an array of shape (bodies,) [stress / length**2]."""
         if not damping.any():
             return model
-        values = self.system.metric.add(model.stiffness.values.copy(), damping[self.problem.part])
+        values = self.system.metric.add(model.stiffness.values.copy(), damping[self.problem.solid])
         return replace(model, stiffness=replace(model.stiffness, values=values))
 
     def massive(self, model: OneSidedModel, weight: float) -> OneSidedModel:

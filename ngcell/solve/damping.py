@@ -3,6 +3,7 @@
 In a tissue walls slide past corners here and there at once. Damped as one, all bodies would wait for the one whose step
 was foreseen worst; the energy is a sum over bodies and pairs of them, and so is what the model lacks. Between two
 places it is, body by body, half of the forces that the model did not foresee times the way (the trapezoidal rule).
+Bodies that are tied to each other are one: what folds in one of them is moved by all.
 Damping weights are multiples of the metric of displacements, ``sqrt(weight_i weight_j) M_ij``.
 """
 
@@ -36,7 +37,7 @@ class Damper:
     metric : SymmetricOperator, shape (unknowns, unknowns)
         What damping is a multiple of.
     part : array of int, shape (unknowns,)
-        Body of each unknown.
+        Body of each unknown; bodies that are tied to each other are one.
     options : MinimiserOptions
         The numbers of the method.
     """

@@ -74,7 +74,7 @@ class Minimiser:
 
     @cached_property
     def _damper(self) -> Damper:
-        return Damper(self.problem.metric, self.problem.part, self.options)
+        return Damper(self.problem.metric, self.problem.solid, self.options)
 
     @cached_property
     def _newton(self) -> Newton:

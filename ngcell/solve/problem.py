@@ -103,6 +103,10 @@ class Problem(Protocol):
         """Body of each unknown: what unknowns of different bodies have in common are constraints and ties only."""
 
     @property
+    def solid(self) -> Index:
+        """Solid of each unknown: what those of different solids have in common are constraints only."""
+
+    @property
     def metric(self) -> SymmetricOperator:
         """Metric of displacements, shape (unknowns, unknowns): the proximal term and damping are multiples of it."""
 
@@ -166,7 +170,7 @@ class Problem(Protocol):
         """Return the sum of nodal forces over each body, shape (bodies, dimension)."""
 
     def folded(self, state: Any) -> NDArray[np.bool_]:
-        """Return the bodies whose energy is not finite, shape (bodies,)."""
+        """Return the solids whose energy is not finite, shape (solids,)."""
 
     def update_multipliers(self, state: Any) -> tuple[float, float]:
         """Update multipliers at an equilibrium; return the gap [length] by which it misses conditions that the

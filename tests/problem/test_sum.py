@@ -380,3 +380,16 @@ def test_a_filling_turned_inside_out_is_told(body):
     mirrored = space.affine(np.diag([-2.0, 0.0]), np.zeros(2))
     place = np.where(space.body_of_unknown == body, mirrored, 0.0).ravel()
     np.testing.assert_array_equal(problem.folded(problem.at(place)), np.arange(2) == body)
+
+
+@pytest.mark.parametrize("body", [0, 1])
+def test_bodies_that_are_tied_fold_and_are_damped_as_one_solid(body):
+    tissue = cells(2, filled=True)
+    fixed = np.zeros((2, tissue.space.size), dtype=bool)
+    problem, space = Problem(tissue.space, [tissue.bulk], fixed, tie=tissue.tie), tissue.space
+    mirrored = space.affine(np.diag([-2.0, 0.0]), np.zeros(2))
+    place = np.where(space.body_of_unknown == body, mirrored, 0.0).ravel()
+    np.testing.assert_array_equal(problem.folded(problem.at(place)), [True])
+    np.testing.assert_array_equal(np.unique(problem.solid), [0])
+    apart = Problem(tissue.space, [tissue.bulk], fixed)
+    np.testing.assert_array_equal(apart.solid, apart.part)

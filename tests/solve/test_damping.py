@@ -37,7 +37,7 @@ class Bowls:
 
     dimension = 2
     free = np.ones(BODIES, dtype=bool)
-    part = np.arange(BODIES)
+    part = solid = np.arange(BODIES)
     mass = metric = sparse.csr_array(np.eye(BODIES))
     pattern = (np.arange(BODIES), np.arange(BODIES))
 

@@ -52,6 +52,7 @@ class Landscape:
     visited: list[np.ndarray] = field(default_factory=list)
 
     mass, part = sparse.csr_array(np.eye(3)), np.zeros(3, dtype=int)
+    solid = part
     metric = mass
     pattern = (np.arange(3), np.arange(3))
 
@@ -161,7 +162,7 @@ class Overhang(Landscape):
     """
 
     has_multipliers = True
-    part = np.arange(3)
+    part = solid = np.arange(3)
     force = 10.0
 
     def at(self, displacement: np.ndarray) -> Point:
@@ -394,6 +395,7 @@ class Walls(Landscape):
         self.slopes = sparse.csr_array(random.standard_normal((walls, count)) / np.sqrt(count))
         self.offset, self.firm = random.uniform(0.0, 0.5, walls), np.full(walls, 1e3)
         self.free, self.part = np.ones(count, dtype=bool), np.zeros(count, dtype=int)
+        self.solid = self.part
         self.metric = self.mass = sparse.csr_array(np.eye(count))
         self.pattern = np.tril_indices(count)
 
