@@ -11,6 +11,7 @@ from scipy import sparse
 
 from ngcell.contact.pairing.facing import FacingWalls
 from ngcell.contact.surface.surface import Surface
+from ngcell.mechanics.report import Scales
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.mechanics.term import Role
 from ngcell.problem.problem import Problem
@@ -109,11 +110,12 @@ def balance_of(setup: Setup, problem: Problem, state: State, proximal_force: Arr
     # Supports bear what internal, contact, load and proximal forces leave.
     left = internal + problem.force(at, Role.INTERACTION) - load - proximal_force
     forces, reaction = contact_forces(problem, state), problem.unknowns.reactions(left)
+    scales = scales_of(problem.space, setup.modulus, state.energy - problem.unstored(at))
     return Balance(
         gap=setup.facing.gaps(setup.walls, setup.walls.nodes(at.positions)),
         nodal=NodalForces(internal, reaction, load, proximal_force),
         forces=forces,
-        free_bodies=_held_by_nothing(problem, setup, forces, proximal_force, left - reaction),
+        free_bodies=_held_by_nothing(problem, setup, scales, forces, proximal_force, left - reaction),
     )
 
 
@@ -163,19 +165,21 @@ def mean_and_largest(facing: FacingWalls, gap: Array, chosen: NDArray[np.bool_])
 
 
 def _held_by_nothing(
-    problem: Problem, setup: Setup, forces: ContactForces, proximal_force: Array, unbalanced: Array
+    problem: Problem, setup: Setup, scales: Scales, forces: ContactForces, proximal_force: Array, unbalanced: Array
 ) -> tuple[int, ...]:
     """Return the bodies that contacts press by hardly more than what pulls them, and than what is not balanced yet.
 
     What bodies that nothing holds are pulled by they hand on to those that they lean on, from one to the next: where
-    dozens are loose, the last of them are pressed by the pulls of all, and by nothing else.
+    dozens are loose, the last of them are pressed by the pulls of all, and by nothing else. Where walls are hardly
+    strained at all, forces that hardly strain one hold nothing: bodies have slid out, as far as they still pressed.
     """
     if not problem.unknowns.lets_bodies_part:
         return ()
     pull, left = (np.linalg.norm(problem.space.resultants(part), axis=1) for part in (proximal_force, unbalanced))
     # Where no pull is left, a force that a certificate takes for balance holds nothing.
-    largest = max(float(forces.pressed.max(initial=0.0)), scales_of(problem.space, setup.modulus, 0.0).force)
-    free = forces.pressed <= np.maximum(HELD * pull + left, LIMITS["residual"] * largest)
+    largest = max(float(forces.pressed.max(initial=0.0)), scales.force)
+    holds = LIMITS["residual"] * largest if abs(scales.stored) > scales.energy else scales.force
+    free = forces.pressed <= np.maximum(HELD * pull + left, holds)
     # A support holds a body if it leaves it no direction: mirrored prisms may still move in the plane.
     body, count = problem.space.body_of_unknown, len(free)
     is_supported = np.all([np.bincount(body[fixed], minlength=count) > 0 for fixed in setup.motion.fixed], axis=0)

@@ -22,7 +22,8 @@ after a grade alone what was told of them falls by no more than what the grade h
 singularities as the energy; it is told no less than the share `OF_ENERGY` of that, each relative to itself.
 
 Where walls are hardly strained on two meshes in turn, with less energy than anything is told apart from, energies and
-forces err by no more than they are. Changes of gaps are those of the walls that are held on the last mesh.
+forces err by no more than they are, and are not judged: nothing is as near to nothing as is asked for. Changes of gaps
+are those of the walls that are held on the last mesh.
 
 Beside the mesh, the energy errs by contact that is not rigid, at most by forces times overlaps where no loads act (else
 see `ngcell.results.softness`); potentials are those by rigid contact. It also errs by what the proximal term holds;
@@ -185,9 +186,11 @@ def estimate(
         forces = {name: getattr(before, name) for name in ("plate_force", "contact_force")}
         new = at_least(new, max(abs(before.energy), before.scales[0]), forces, (before.gaps, found[-1].gaps))
     at_most, told_of = _in_parts(changes, refined) if of_last else {}, found[-1 if of_last else -2]
-    if all(one.stores_nothing for one in found[-2:]):
+    is_nothing = all(one.stores_nothing for one in found[-2:])
+    if is_nothing:
         at_most |= {name: _size(getattr(told_of, name)) for name in _TOLD if name not in _GAPS}
-    return _with_contact(meant or told_of, {name: min(new[name], at_most.get(name, inf)) for name in _TOLD})
+    new = {name: min(new[name], at_most.get(name, inf)) for name in _TOLD}
+    return _with_contact(meant or told_of, new, is_nothing=is_nothing)
 
 
 def _chain(changes: Sequence[Mapping[str, float]], refined: Sequence[Refining], of_last: bool) -> dict[str, float]:
@@ -253,7 +256,7 @@ def _share(how: Refining, change: float, before: float, told: float | None) -> f
     return min(max(measured, how.remains), MOST_REMAINS)
 
 
-def _with_contact(last: Numbers, told: dict[str, float]) -> Errors:
+def _with_contact(last: Numbers, told: dict[str, float], *, is_nothing: bool) -> Errors:
     """Return errors of the mesh with those of contact and the proximal term."""
     softness = last.besides / max(abs(last.energy), last.scales[0])
     plate = float(np.linalg.norm(last.plate_force))
@@ -267,19 +270,16 @@ def _with_contact(last: Numbers, told: dict[str, float]) -> Errors:
     }
     like_energy = told["energy"] / max(abs(last.energy), last.scales[0]) * abs(last.mean_gap)
     least = told | {"mean_gap": max(told["mean_gap"], OF_ENERGY * like_energy)}
-    return _judged(last, {name: least[name] + besides[name] for name in besides})
+    return _judged(last, {name: least[name] + besides[name] for name in besides}, is_nothing=is_nothing)
 
 
-def _judged(last: Numbers, told: Mapping[str, float]) -> Errors:
-    """Return errors with the largest relative one."""
+def _judged(last: Numbers, told: Mapping[str, float], *, is_nothing: bool) -> Errors:
+    """Return errors with the largest relative one: of gaps alone where energy and forces are nothing."""
     energy, force, gap = last.scales
     plate = float(np.linalg.norm(last.plate_force))
-    relative = max(
-        told["energy"] / max(abs(last.energy), energy),
-        told["plate_force"] / max(plate, force),
-        told["mean_gap"] / max(abs(last.mean_gap), gap),
-    )
-    return Errors(**told, relative=relative)
+    of_gap = told["mean_gap"] / max(abs(last.mean_gap), gap)
+    of_energy, of_force = told["energy"] / max(abs(last.energy), energy), told["plate_force"] / max(plate, force)
+    return Errors(**told, relative=of_gap if is_nothing else max(of_energy, of_force, of_gap))
 
 
 def errors_beside(errors: Errors, there: Numbers, here: Numbers) -> Errors:
@@ -288,7 +288,8 @@ def errors_beside(errors: Errors, there: Numbers, here: Numbers) -> Errors:
     They are larger by what has changed from there to here: meshes may lead to either.
     """
     there = there.over_walls_of(here)
-    return _judged(here, {name: getattr(errors, name) + _change(there, here, name) for name in _REPORTED})
+    told = {name: getattr(errors, name) + _change(there, here, name) for name in _REPORTED}
+    return _judged(here, told, is_nothing=there.stores_nothing and here.stores_nothing)
 
 
 def _change(one: Numbers, two: Numbers, name: str) -> float:

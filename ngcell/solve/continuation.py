@@ -42,7 +42,7 @@ from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.problem import State
 from ngcell.solve.proximal import ProximalTerm
-from ngcell.solve.recentred import at_rest, is_too_soft, minimised, pull_over_felt, recentred
+from ngcell.solve.recentred import at_rest, energy_of_nothing, is_too_soft, minimised, pull_over_felt, recentred
 
 Array = NDArray[np.float64]
 
@@ -115,7 +115,8 @@ class Continuation:
         minimum, _ = minimised(last, instead.place, proximal, options.at_the_end, instead.weight, most=most)
         if not minimum.is_found:
             return minimum
-        return until_conditions_hold(last, minimum, last.longest_step, options, name=instead.weight)
+        minimum = until_conditions_hold(last, minimum, last.longest_step, options, name=instead.weight)
+        return in_balance(last, minimum, self.scale, options)
 
     def _follow(
         self, minimisers: Sequence[Minimiser], start: State, centre: Array, may_stall: bool
@@ -151,7 +152,8 @@ class Continuation:
                 minimum = until_conditions_hold(
                     minimiser, minimum, minimiser.longest_step, options, name=weight, most=most
                 )
-                return minimum, None if minimum.ending is Ending.CONVERGED else enough
+                found = in_balance(minimiser, minimum, self.scale, options)
+                return found, None if found.ending is Ending.CONVERGED else enough
             if not minimum.is_found:
                 break
             place, magnitude = minimum.state.displacement, minimiser.problem.magnitude(minimum.state)
@@ -223,8 +225,14 @@ def rested(minimiser: Minimiser, minimum: Minimum, path: Continuation, lowest: f
 
 
 def _pull(minimiser: Minimiser, minimum: Minimum, weight: float, options: ContinuationOptions) -> float:
-    """Return the proximal force over what is allowed; 0 where walls are not followed on, or under no smaller weight."""
+    """Return the proximal force over what is allowed.
+
+    It is 0 where walls are not followed on, or under no smaller weight, and where they are hardly strained: nothing
+    drives them on.
+    """
     if not options.sufficient or weight <= options.last:
+        return 0.0
+    if minimiser.problem.magnitude(minimum.state) <= energy_of_nothing(minimiser, options):
         return 0.0
     return pull_over_felt(minimiser, minimum, options.allowed)
 

@@ -93,9 +93,17 @@ def test_where_walls_are_hardly_strained_forces_err_by_no_more_than_they_are():
     errors = estimate(found, by_order(0.5))
     assert (errors.energy, errors.plate_force) == pytest.approx((1e-13, 1e-11), rel=1e-9)
     assert errors.mean_gap == pytest.approx(0.2, rel=1e-9)  # gaps are as far off as ever
+    assert errors.relative == pytest.approx(0.2 / 2.2, rel=1e-9)
     assert estimate(found, by_order(0.5), of_last=False).plate_force == pytest.approx(1e-8, rel=1e-9)
     strained = [found[0], numbers(1e-8, force=1e-8, gap=2.0), found[2]]
     assert estimate(strained, by_order(0.5)).plate_force == pytest.approx(1e-8, rel=2e-3)
+
+
+def test_what_is_nothing_twice_is_judged_by_gaps_alone():
+    """Half of the force that counts as nothing, 1e-9, is left where walls have come apart."""
+    strained, nothing, last = numbers(1e-8, force=0.0), numbers(1e-10, force=0.0), numbers(1e-13, force=5e-10)
+    assert estimate([numbers(2.0), nothing, last], by_order(0.5)).relative < 1e-3
+    assert estimate([numbers(2.0), strained, last], by_order(0.5)).relative > 0.1
 
 
 @pytest.mark.parametrize(("moves", "left"), [(0.0, 0.1), (0.02, 0.08), (0.09, 0.09 / 3)])

@@ -12,6 +12,7 @@ import pytest
 
 import ngcell
 from ngcell.build.simulation import Simulation
+from ngcell.mechanics.report import Scales
 from ngcell.results import equilibrium
 from ngcell.results.equilibrium import Balance, balance_of
 from ngcell.results.forces import ContactForces
@@ -66,7 +67,7 @@ def test_a_contact_that_is_not_balanced_yet_holds_nothing():
     assert pressed
 
 
-def test_what_dozens_of_loose_cells_hand_on_to_each_other_holds_none_of_them(monkeypatch):
+def test_what_dozens_of_loose_cells_hand_on_to_each_other_holds_none_of_them():
     """Thirty cells in a row, each pulled towards the next, lean on three that press each other."""
     loose, count, pull = 30, 33, 1e-4
     ends = np.array([*((cell, cell + 1) for cell in range(loose)), (30, 31), (31, 32)])
@@ -82,6 +83,6 @@ def test_what_dozens_of_loose_cells_hand_on_to_each_other_holds_none_of_them(mon
     space = SimpleNamespace(resultants=lambda part: part, body_of_unknown=np.arange(count))
     problem = SimpleNamespace(unknowns=SimpleNamespace(lets_bodies_part=True), space=space)
     setup = SimpleNamespace(modulus=1.0, motion=SimpleNamespace(fixed=np.zeros((2, count), dtype=bool)))
-    monkeypatch.setattr(equilibrium, "scales_of", lambda *_: SimpleNamespace(force=1.0))
-    found = equilibrium._held_by_nothing(problem, setup, forces, pulls, 0 * pulls)
+    scales = Scales(force=1.0, energy=1.0, thickness=1.0, stored=2.0)
+    found = equilibrium._held_by_nothing(problem, setup, scales, forces, pulls, 0 * pulls)
     assert found == tuple(range(loose))

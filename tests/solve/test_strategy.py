@@ -168,6 +168,7 @@ class FakeMinimiser:
     stride: float
     effort: Effort = field(default_factory=Effort)
     longest_step: float = 1e-3
+    energy_scale: float = 1.0
     reached: float = 0.0
     asked: list[float] = field(default_factory=list)
     weights: list[float] = field(default_factory=list)
