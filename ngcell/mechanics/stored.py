@@ -29,6 +29,12 @@ class StoredEnergy:
         in_bodies, beside = self._found
         return float(in_bodies[group].sum()) + beside
 
+    @property
+    def whole(self) -> float:
+        """What all bodies store [energy], and what belongs to none in particular."""
+        in_bodies, beside = self._found
+        return float(in_bodies.sum()) + beside
+
     @cached_property
     def _found(self) -> tuple[Array, float]:
         return self.find()

@@ -49,19 +49,23 @@ def recentred(
         minimum, _ = minimised(minimiser, place, proximal, 0.0, name, enough, lowest=lowest, is_settled=is_settled)
         if not minimum.is_found:
             return minimum
-        missed, _ = minimiser.problem.update_multipliers(minimum.state)
-        if not minimiser.problem.has_multipliers and overlaps.stay(missed, minimum.state.energy):
-            return replace(minimum, ending=Ending.CONDITIONS_MISSED)
         before, fallen = fallen, energy - minimum.state.energy
         ratio = fallen / before if before > 0 else 0.0
         to_fall = fallen / (1 - min(max(ratio, 0.0), options.idle))
+        has_multipliers = minimiser.problem.has_multipliers
+        is_end = to_fall <= sufficient and pull_over_felt(minimiser, minimum, options.felt) <= 1
+        if is_end and not has_multipliers:
+            break
+        missed, _ = minimiser.problem.update_multipliers(minimum.state)
+        if not has_multipliers and overlaps.stay(missed, minimum.state.energy):
+            return replace(minimum, ending=Ending.CONDITIONS_MISSED)
         is_slow = ratio > (options.idle_at_last if to_fall <= sufficient else options.idle)
         weight = max(proximal.weight / 10, scale * options.last) if is_slow else proximal.weight
         place = minimum.state.displacement
         if weight != proximal.weight or fallen < 0:
             ways = _Ways(minimiser)
         proximal = ProximalTerm(weight, ways.next_centre(proximal.centre, place, options.idle))
-        if to_fall <= sufficient and pull_over_felt(minimiser, minimum, options.felt) <= 1:
+        if is_end:
             break
     return replace(minimum, to_fall=to_fall)
 

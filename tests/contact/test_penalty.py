@@ -199,6 +199,21 @@ def test_a_penalty_that_leads_to_multipliers_stiffens_where_it_stores_what_walls
     assert leads.raised == 10
 
 
+@pytest.mark.parametrize(("elsewhere", "raised"), [(10.0, 10.0), (1e4, 1.0)])
+def test_bodies_that_hardly_store_anything_beside_others_are_not_made_stiffer(elsewhere: float, raised: float):
+    """Two cells of three store nothing but their overlap, as loose ones do, and the third so many times as much."""
+    tissue = small_tissue(1, 3)
+    walls = tissue.walls
+    mine = PenaltyContact(walls, tissue.contact.stiffness, tissue.contact.reach)
+    depth = 1e-3 * float(walls.thickness.min())
+    positions = tissue.positions(tissue.body_translation(0, np.array([depth, 0.0])))
+    mine.restart()
+    contact = mine.pair(positions)
+    stored = StoredEnergy(lambda: (np.array([0.0, 0.0, elsewhere * contact.energy(positions)]), 0.0))
+    mine.update_multipliers(contact, positions, stored)
+    assert mine.raised == raised
+
+
 @pytest.mark.parametrize("stiffness", [0.01, 0.1, 1.0])
 def test_penalty_terms_of_any_stiffness_take_over_from_ones_that_follow_the_path(stiffness):
     """Else those that a case asks for would not stiffen where they are too soft for a continuation's."""

@@ -128,6 +128,15 @@ def test_overlaps_that_stiffer_penalty_terms_leave_are_given_up(left, grows, has
         assert bowl.updates == 1 + options.most_in_vain
 
 
+@pytest.mark.parametrize(("has_multipliers", "updates"), [(False, 0), (True, 1)])
+def test_where_it_ends_penalty_terms_are_judged_once_it_is_at_rest(has_multipliers, updates):
+    """There the energy may still fall by more than they store; multipliers are updated each time."""
+    options = ContinuationOptions(felt=1e3, sufficient=1.0, recentred=1.0)
+    bowl = Overlapping(has_multipliers=has_multipliers)
+    assert recentred(Minimiser(bowl, 0.1, energy_scale=1.0), np.zeros(3), WEIGHT, options).is_found
+    assert bowl.updates == updates
+
+
 def test_last_digits_are_found_under_a_firm_hold_and_the_pull_that_is_left_is_taken_away():
     """A firm term stops the bowl after a hundredth of the way, and pulls as much as the slope does."""
     options = ContinuationOptions(felt=1.0, sufficient=1.0, recentred=0.1, resting=10.0, allowed=1e-3)

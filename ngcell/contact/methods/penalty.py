@@ -9,8 +9,9 @@ to the thickness of `1 / multiple` such layers. Where that is not enough, as on 
 terms that took over from softer ones adapt: at an equilibrium whose overlaps are too deep, or store too large a share
 of the energy, they are made stiffer and it is sought again. Where walls bend so much that they sink in between the
 points of the rule, the rule is made finer instead, once, if the surface has a finer one. Each group of bodies that
-touch is judged by itself: by the thickness of the bodies that meet, and by what the group stores. Along a load path
-whose steps follow each other the rule is made finer in good time, and both are remembered from step to step.
+touch is judged by itself: by the thickness of the bodies that meet, and by what the group stores, or by a share of what
+all store where that is more: loose bodies store hardly more than their overlaps. Along a load path whose steps follow
+each other the rule is made finer in good time, and both are remembered from step to step.
 """
 
 from __future__ import annotations
@@ -201,7 +202,8 @@ class PenaltyContact:
                 self._search = self._mixed_search()
                 return finer.deepest
         energy, options = float(mine.energy.sum()), self._options
-        if mine.largest_share <= options.soft and energy <= options.stored * (stored.of(group) + energy):
+        least = max(stored.of(group), options.stored * stored.whole)
+        if mine.largest_share <= options.soft and energy <= options.stored * (least + energy):
             return 0.0
         # What a body that has joined the group was not given yet comes first.
         self._factor[group] = np.maximum(self._factor[group], STIFFEN * self._factor[group].min())
