@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ngcell.geometry.near import components
 from ngcell.mechanics.drive import Drive
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.stored import StoredEnergy
@@ -27,8 +26,8 @@ from ngcell.problem.reports import deepest_overlap
 from ngcell.problem.rotation import finite_rotation_update
 from ngcell.problem.state import Linearisation, State
 from ngcell.problem.stored import stored_by
-from ngcell.problem.sums import folded, joined, keyed, sorted_gaps, together, total, whole_gradient
-from ngcell.problem.tie import Tie
+from ngcell.problem.sums import between_components, folded, joined, keyed, sorted_gaps, together, total, whole_gradient
+from ngcell.problem.tie import Tie, solid_of_body
 from ngcell.problem.unknowns import OwnUnknowns, TiedUnknowns, UnknownMap
 
 Array = NDArray[np.float64]
@@ -58,9 +57,7 @@ class Problem:
         self.terms: tuple[Term, ...] = parts_of(self._sum)
         self.fixed, self._length = fixed.ravel(), length or space.bodies.length
         self.unknowns: UnknownMap = OwnUnknowns(self.fixed) if tie is None else TiedUnknowns(tie, space, self.fixed)
-        self.free = self.unknowns.free
-        body = space.body_of_unknown
-        self._solid_of_body = components(space.body_count, body, body if tie is None else body[tie.master])
+        self.free, self._solid_of_body = self.unknowns.free, solid_of_body(space, tie)
 
     @property
     def dimension(self) -> int:
@@ -187,11 +184,7 @@ class Problem:
         """Return entries of the lower triangle that constraints could fill while no move exceeds half of `margin`."""
         parts = [term.couplings(state.at, margin) for term in self._sum]
         row, column = (np.concatenate(part) for part in zip(*parts, strict=True))
-        first = [axis * self.space.size for axis in range(self.dimension)]
-        rows = np.concatenate([row + i for i in first for _ in first])
-        columns = np.concatenate([column + j for _ in first for j in first])
-        lower = rows >= columns
-        return self.unknowns.fold(rows[lower], columns[lower])[:2]
+        return self.unknowns.fold(*between_components(row, column, self.space.size, self.dimension))[:2]
 
     def unstored(self, at: Configuration) -> float:
         """Return what the energy holds without its being stored in bodies."""
@@ -247,8 +240,8 @@ class Problem:
 
     def folded(self, state: State) -> Mask:
         """Return the solids that store no finite energy, since something in them is turned inside out."""
-        folded = ~np.isfinite(stored_by(self.terms, state.at, self.space.body_count)[0])
-        return np.bincount(self._solid_of_body, weights=folded) > 0
+        is_folded = ~np.isfinite(stored_by(self.terms, state.at, self.space.body_count)[0])
+        return np.bincount(self._solid_of_body, weights=is_folded) > 0
 
     @property
     def has_multipliers(self) -> bool:

@@ -73,3 +73,12 @@ def together(found: Sequence[OneSided], at: Configuration) -> OneSided:
         np.concatenate([nothing.astype(np.int64), *(part.keys for part in found)]),
         np.concatenate([nothing, *lowered]),
     )
+
+
+def between_components(row: Index, column: Index, size: int, dimension: int) -> tuple[Index, Index]:
+    """Return the entries of the lower triangle between all components of scalar unknowns that entries couple."""
+    first = [axis * size for axis in range(dimension)]
+    rows = np.concatenate([row + i for i in first for _ in first])
+    columns = np.concatenate([column + j for _ in first for j in first])
+    lower = rows >= columns
+    return rows[lower], columns[lower]

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ngcell.contact.surface.surface import Surface
 from ngcell.geometry.near import components, near_pairs
+from ngcell.mechanics.space import DisplacementSpace
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -73,3 +74,9 @@ def tie_walls(walls: Surface, size: int) -> Tie:
     links = np.concatenate([row, row + size]), np.concatenate([column + opposite, column + (size - opposite)])
     signed = components(2 * size, *links)
     return Tie(master, np.where(signed[:size] == signed[master], 1.0, -1.0))
+
+
+def solid_of_body(space: DisplacementSpace, tie: Tie | None) -> Index:
+    """Return the solid that each body is part of, shape (bodies,): bodies that are tied to each other are one."""
+    body = space.body_of_unknown
+    return components(space.body_count, body, body if tie is None else body[tie.master])
