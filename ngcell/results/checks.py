@@ -145,7 +145,7 @@ def certify(
         "body_balance": on_body / largest,
         "plate_balance": _plate_balance(held, loaded, largest),
         "quadrature_error": quadrature_error(problem.terms, state.at) / scales.at_stake,
-        "stabilisation": _share(nodal.proximal, nodal.internal, scales),
+        "stabilisation": _stabilisation(nodal, scales),
         "work_mismatch": _work_mismatch(unstored_work, parts, path) / scales.at_stake,
         **({} if path.account is None else {"energy_balance": path.account.mismatch_share}),
         **({} if path.tied is None else {"energy_above_tied": _above(problem, state.at, path.tied) / scales.at_stake}),
@@ -221,6 +221,16 @@ def _largest(forces: Array) -> float:
 
 def _share(force: Array, internal: Array, scales: Scales) -> float:
     return float(np.linalg.norm(force)) / max(float(np.linalg.norm(internal)), scales.force)
+
+
+def _stabilisation(nodal: NodalForces, scales: Scales) -> float:
+    """Return the share of the forces in bodies that the proximal term takes.
+
+    Where walls are hardly strained, less than a force that hardly strains one is nothing: bodies that slide out press
+    each other less and less, and what the proximal term holds falls with that.
+    """
+    is_nothing = abs(scales.stored) <= scales.energy and np.linalg.norm(nodal.proximal) <= scales.force
+    return 0.0 if is_nothing else _share(nodal.proximal, nodal.internal, scales)
 
 
 def _residual(problem: Problem, state: State, nodal: NodalForces, scales: Scales) -> float:

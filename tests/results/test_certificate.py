@@ -13,8 +13,9 @@ from netgen import occ
 from ngcell.build.reported import Step
 from ngcell.build.simulation import Simulation
 from ngcell.errors import CaseError
+from ngcell.mechanics.report import Scales
 from ngcell.results.certificate import HELD, common_check
-from ngcell.results.checks import Path, _plate_balance, scales_of
+from ngcell.results.checks import NodalForces, Path, _plate_balance, _stabilisation, scales_of
 from ngcell.results.measure import Measurement, WorkPoint, measure
 from ngcell.scene import Body, BodyScene, BodySupport, Case, MooneyRivlin, read_case
 
@@ -177,6 +178,18 @@ def test_plates_are_balanced_beside_the_force_from_one_to_the_other(cells, large
     loaded = np.zeros_like(held)
     loaded[0, 0] = 0.1
     assert _plate_balance(held, loaded, largest) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("stored", "pull", "share"),
+    [(1e-9, 5e-6, 0.0), (1e-9, 2e-5, 2.0), (1e-7, 5e-6, 0.5)],
+    ids=["nothing", "more than nothing", "walls are strained"],
+)
+def test_what_the_proximal_term_takes_of_nothing_is_nothing(stored: float, pull: float, share: float):
+    """A force of 1e-5 hardly strains a wall, which then stores 1e-8."""
+    nothing = np.zeros(2)
+    nodal = NodalForces(nothing, nothing, nothing, np.array([pull, 0.0]))
+    assert _stabilisation(nodal, Scales(1e-5, 1e-8, 0.1, stored)) == pytest.approx(share, abs=1e-12)
 
 
 @pytest.mark.parametrize("unit", [1.0, 1e-6])
