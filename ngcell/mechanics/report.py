@@ -45,6 +45,10 @@ class Check:
         return self.value < other.value if self.must_exceed else self.value > other.value
 
 
+#: Share of what counts as hardly strained below which walls are not strained: as solvers have it.
+_OF_HARDLY = 0.1
+
+
 @dataclass(frozen=True)
 class Scales:
     """What counts as nothing, and what checks are taken in shares of.
@@ -63,6 +67,16 @@ class Scales:
     energy: float
     thickness: float
     stored: float
+
+    @property
+    def force_of_nothing(self) -> float:
+        """Below it forces hold nothing where nothing is stored: that of a wall strained by a tenth of hardly."""
+        return _OF_HARDLY * self.force
+
+    @property
+    def stores_nothing(self) -> bool:
+        """Whether walls are strained by less than a tenth of hardly, as where they have slid out."""
+        return abs(self.stored) <= _OF_HARDLY**2 * self.energy
 
     @property
     def at_stake(self) -> float:

@@ -226,10 +226,10 @@ def _share(force: Array, internal: Array, scales: Scales) -> float:
 def _stabilisation(nodal: NodalForces, scales: Scales) -> float:
     """Return the share of the forces in bodies that the proximal term takes.
 
-    Where walls are hardly strained, less than a force that hardly strains one is nothing: bodies that slide out press
-    each other less and less, and what the proximal term holds falls with that.
+    Where nothing is stored, a force that is nothing is none: bodies that slide out press each other less and less, and
+    what the proximal term holds falls with that.
     """
-    is_nothing = abs(scales.stored) <= scales.energy and np.linalg.norm(nodal.proximal) <= scales.force
+    is_nothing = scales.stores_nothing and np.linalg.norm(nodal.proximal) <= scales.force_of_nothing
     return 0.0 if is_nothing else _share(nodal.proximal, nodal.internal, scales)
 
 

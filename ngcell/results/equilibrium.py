@@ -170,15 +170,15 @@ def _held_by_nothing(
     """Return the bodies that contacts press by hardly more than what pulls them, and than what is not balanced yet.
 
     What bodies that nothing holds are pulled by they hand on to those that they lean on, from one to the next: where
-    dozens are loose, the last of them are pressed by the pulls of all, and by nothing else. Where walls are hardly
-    strained at all, forces that hardly strain one hold nothing: bodies have slid out, as far as they still pressed.
+    dozens are loose, the last of them are pressed by the pulls of all, and by nothing else. Where nothing is
+    stored, forces that are nothing hold nothing: bodies have slid out, as far as they still pressed.
     """
     if not problem.unknowns.lets_bodies_part:
         return ()
     pull, left = (np.linalg.norm(problem.space.resultants(part), axis=1) for part in (proximal_force, unbalanced))
     # Where no pull is left, a force that a certificate takes for balance holds nothing.
     largest = max(float(forces.pressed.max(initial=0.0)), scales.force)
-    holds = LIMITS["residual"] * largest if abs(scales.stored) > scales.energy else scales.force
+    holds = scales.force_of_nothing if scales.stores_nothing else LIMITS["residual"] * largest
     free = forces.pressed <= np.maximum(HELD * pull + left, holds)
     # A support holds a body if it leaves it no direction: mirrored prisms may still move in the plane.
     body, count = problem.space.body_of_unknown, len(free)

@@ -22,8 +22,8 @@ after a grade alone what was told of them falls by no more than what the grade h
 singularities as the energy; it is told no less than the share `OF_ENERGY` of that, each relative to itself.
 
 Where walls are hardly strained on two meshes in turn, with less energy than anything is told apart from, energies and
-forces err by no more than they are, and are not judged: nothing is as near to nothing as is asked for. Changes of gaps
-are those of the walls that are held on the last mesh.
+forces err by no more than they are. Those that err by all that they are are not judged: nothing is as near to nothing
+as is asked for. Changes of gaps are those of the walls that are held on the last mesh.
 
 Beside the mesh, the energy errs by contact that is not rigid, at most by forces times overlaps where no loads act (else
 see `ngcell.results.softness`); potentials are those by rigid contact. It also errs by what the proximal term holds;
@@ -274,12 +274,12 @@ def _with_contact(last: Numbers, told: dict[str, float], *, is_nothing: bool) ->
 
 
 def _judged(last: Numbers, told: Mapping[str, float], *, is_nothing: bool) -> Errors:
-    """Return errors with the largest relative one: of gaps alone where energy and forces are nothing."""
+    """Return errors with the largest relative one; nothing that errs by all that it is is left out."""
     energy, force, gap = last.scales
     plate = float(np.linalg.norm(last.plate_force))
-    of_gap = told["mean_gap"] / max(abs(last.mean_gap), gap)
-    of_energy, of_force = told["energy"] / max(abs(last.energy), energy), told["plate_force"] / max(plate, force)
-    return Errors(**told, relative=of_gap if is_nothing else max(of_energy, of_force, of_gap))
+    sizes = {"energy": (abs(last.energy), energy), "plate_force": (plate, force)}
+    judged = [told[name] / max(each) for name, each in sizes.items() if not (is_nothing and told[name] >= each[0])]
+    return Errors(**told, relative=max(0.0, *judged, told["mean_gap"] / max(abs(last.mean_gap), gap)))
 
 
 def errors_beside(errors: Errors, there: Numbers, here: Numbers) -> Errors:

@@ -182,11 +182,11 @@ def test_plates_are_balanced_beside_the_force_from_one_to_the_other(cells, large
 
 @pytest.mark.parametrize(
     ("stored", "pull", "share"),
-    [(1e-9, 5e-6, 0.0), (1e-9, 2e-5, 2.0), (1e-7, 5e-6, 0.5)],
+    [(1e-11, 5e-7, 0.0), (1e-11, 2e-6, 0.2), (1e-9, 5e-7, 0.05)],
     ids=["nothing", "more than nothing", "walls are strained"],
 )
 def test_what_the_proximal_term_takes_of_nothing_is_nothing(stored: float, pull: float, share: float):
-    """A force of 1e-5 hardly strains a wall, which then stores 1e-8."""
+    """A force of 1e-5 hardly strains a wall, which then stores 1e-8; nothing is a tenth of that strain."""
     nothing = np.zeros(2)
     nodal = NodalForces(nothing, nothing, nothing, np.array([pull, 0.0]))
     assert _stabilisation(nodal, Scales(1e-5, 1e-8, 0.1, stored)) == pytest.approx(share, abs=1e-12)
