@@ -279,7 +279,7 @@ def _judged(last: Numbers, told: Mapping[str, float], *, is_nothing: bool) -> Er
     plate = float(np.linalg.norm(last.plate_force))
     sizes = {"energy": (abs(last.energy), energy), "plate_force": (plate, force)}
     judged = [told[name] / max(each) for name, each in sizes.items() if not (is_nothing and told[name] >= each[0])]
-    return Errors(**told, relative=max(0.0, *judged, told["mean_gap"] / max(abs(last.mean_gap), gap)))
+    return Errors(**told, relative=float(np.max([*judged, told["mean_gap"] / max(abs(last.mean_gap), gap)])))
 
 
 def errors_beside(errors: Errors, there: Numbers, here: Numbers) -> Errors:
