@@ -74,7 +74,7 @@ class Scales:
         return _OF_HARDLY * self.force
 
     @property
-    def stores_nothing(self) -> bool:
+    def is_unstrained(self) -> bool:
         """Whether walls are strained by less than a tenth of hardly, as where they have slid out."""
         return abs(self.stored) <= _OF_HARDLY**2 * self.energy
 

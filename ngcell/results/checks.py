@@ -229,7 +229,7 @@ def _stabilisation(nodal: NodalForces, scales: Scales) -> float:
     Where nothing is stored, a force that is nothing is none: bodies that slide out press each other less and less, and
     what the proximal term holds falls with that.
     """
-    is_nothing = scales.stores_nothing and np.linalg.norm(nodal.proximal) <= scales.force_of_nothing
+    is_nothing = scales.is_unstrained and np.linalg.norm(nodal.proximal) <= scales.force_of_nothing
     return 0.0 if is_nothing else _share(nodal.proximal, nodal.internal, scales)
 
 

@@ -178,7 +178,7 @@ def _held_by_nothing(
     pull, left = (np.linalg.norm(problem.space.resultants(part), axis=1) for part in (proximal_force, unbalanced))
     # Where no pull is left, a force that a certificate takes for balance holds nothing.
     largest = max(float(forces.pressed.max(initial=0.0)), scales.force)
-    holds = scales.force_of_nothing if scales.stores_nothing else LIMITS["residual"] * largest
+    holds = scales.force_of_nothing if scales.is_unstrained else LIMITS["residual"] * largest
     free = forces.pressed <= np.maximum(HELD * pull + left, holds)
     # A support holds a body if it leaves it no direction: mirrored prisms may still move in the plane.
     body, count = problem.space.body_of_unknown, len(free)
