@@ -19,12 +19,12 @@ from ngcell.problem.problem import Problem
 from ngcell.problem.state import State
 from ngcell.results.error import Errors, Numbers
 from ngcell.results.softness import beside_rigid_contact, loads_move_overlaps
-from ngcell.solve.continuation import rested
 from ngcell.solve.effort import OutOfIterations
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Minimum
 from ngcell.solve.refined import has_contact, settled, stable
 from ngcell.solve.released import Released
+from ngcell.solve.rested import rested
 from ngcell.solve.rigid_contact import toward_rigid_contact
 from ngcell.solve.step import StepFailed, spent
 
@@ -197,7 +197,7 @@ class Level(Generic[Scene]):
             if led.only_leads:
                 minimum = self._by_meant_contact(led, may_slide, leads_below)
             elif minimum.proximal.weight:
-                minimum = rested(minimiser, minimum, path)
+                minimum = rested(minimiser, minimum, path.scale, path.options)
         except OutOfIterations:
             return None
         if not minimum.is_found:

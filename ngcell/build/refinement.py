@@ -157,7 +157,7 @@ class Refinement(Generic[Scene]):
                 return self._refined(replace(accepted, effort=last.accepted.effort), is_slipping=True)
             if not is_enough and not (is_slipping and last.level == _SETTLED_ON):
                 continue
-            slid = self._slid(found[-1], 1.0 if is_enough else 0.5) if last.only_leads else -inf
+            slid = self._slid(found[-1], 1.0 if is_enough else 0.5) if is_released else -inf
             leads_below = slid if is_enough else inf
             finished = self._reported(last, found, refined, may_slide=not may_slip, leads_below=leads_below)
             if finished is None and may_slip:
@@ -165,9 +165,12 @@ class Refinement(Generic[Scene]):
             if finished is None:
                 continue
             here = self._levels[finished.level].numbers(finished)
-            if here.potential < slid:  # no mesh has told anything of what is here, and it is not at rest
-                found, refined, last = [here.without_contact], [], replace(finished, errors=Errors())
+            if here.potential < slid:  # no mesh has told anything of what is here, nor is it at rest where that leads
+                found, refined = [here.without_contact if last.only_leads else here], []
+                last = replace(finished, errors=Errors())
                 continue
+            if is_released and not last.only_leads:
+                finished, found[-1] = replace(finished, errors=errors_beside(finished.errors, found[-1], here)), here
             if not is_enough:
                 last = replace(last, accepted=replace(last.accepted, effort=finished.accepted.effort))
                 continue
@@ -214,8 +217,9 @@ class Refinement(Generic[Scene]):
         return replace(finished, errors=estimate(found, refined, meant=self._levels[last.level].numbers(finished)))
 
     def _slid(self, led: Numbers, times: float) -> float:
-        """Return the potential below which walls have slid on where multipliers took over, at so many times the fall
-        that the solver takes for a slide. Without slides the potential rises, as overlaps go."""
+        """Return the potential below which walls have slid on as they came to rest, or as multipliers took over, at so
+        many times the fall that the solver takes for a slide. Without slides the potential rises there, as overlaps
+        go."""
         numbers = self._levels[0].simulation.options.solver.continuation
         share = times * numbers.slid * numbers.sufficient_of_accuracy * self._accuracy
         return led.potential - share * max(abs(led.energy), led.scales[0])

@@ -35,14 +35,15 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.solve.balanced import balanced, in_balance
+from ngcell.solve.balanced import in_balance
+from ngcell.solve.conditions import until_conditions_hold
 from ngcell.solve.continuation_options import ContinuationOptions
-from ngcell.solve.foreseen import with_foreseen_multipliers
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.problem import State
 from ngcell.solve.proximal import ProximalTerm
-from ngcell.solve.recentred import at_rest, energy_of_nothing, is_too_soft, minimised, pull_over_felt, recentred
+from ngcell.solve.recentred import is_too_soft, minimised, recentred
+from ngcell.solve.rested import led_to_rest, rested
 
 Array = NDArray[np.float64]
 
@@ -142,11 +143,9 @@ class Continuation:
             if minimum.is_found and is_end and options.sufficient:
                 ends = replace(options, sufficient=max(options.sufficient, options.at_path_end))
                 minimum = recentred(minimiser, minimum.state.displacement, minimum.proximal.weight, ends)
-                if not options.only_leads:
-                    return rested(minimiser, minimum, self), None
-                if minimum.is_found:
-                    minimum = at_rest(minimiser, minimum, self.scale, options.resting, options, options.of_leading)
-                return minimum, None
+                if options.only_leads:
+                    return led_to_rest(minimiser, minimum, self.scale, options, way), None
+                return rested(minimiser, minimum, self.scale, options), None
             if minimum.is_found and is_end:
                 most = 2 * enough.way - way if enough else None
                 minimum = until_conditions_hold(
@@ -179,118 +178,3 @@ class Continuation:
     def _proximal(self, weight: float, centre: Array) -> ProximalTerm:
         """Return a proximal term of this weight in units of the scale."""
         return ProximalTerm(self.scale * weight, centre)
-
-
-def rested(minimiser: Minimiser, minimum: Minimum, path: Continuation, lowest: float = -np.inf) -> Minimum:
-    """Return the equilibrium beside a minimum, to the last digit: conditions of contact hold, and the proximal force is
-    no more than a certificate allows.
-
-    As long as it is more, walls are followed on from there, until it is half of that, at first under the weight under
-    which last digits are found, then under smaller ones. Conditions are met once walls need not be followed, and walls
-    go on if they slide as that is done. It ends where the energy falls below `lowest`, and without the last digits
-    where no step lowers the energy, as at a kink. Without an accuracy no force is allowed, and the one that the path
-    has left stays.
-    """
-    options, to_fall, firm = path.options, minimum.to_fall, path.scale * path.options.resting
-    share = options.before_multipliers if minimiser.problem.has_multipliers else options.of_leading
-    weight, is_last = options.resting, False
-    while minimum.is_found:
-        pull = _pull(minimiser, minimum, weight, options)
-        if pull <= 1:
-            minimum = until_conditions_hold(minimiser, minimum, minimiser.longest_step, options)
-            if not (minimum.is_found and options.sufficient):
-                break
-            pull = _pull(minimiser, minimum, weight, options)
-        if pull > 1:
-            _log.info("the proximal force is %.2g times what is allowed", pull)
-            following = replace(options, recentred=weight, felt=options.allowed / 2)
-            minimum = recentred(minimiser, minimum.state.displacement, path.scale * weight, following, lowest)
-            if minimum.is_found:
-                minimum = at_rest(minimiser, minimum, path.scale, options.resting, options, share, lowest)
-            weight, is_last = max(weight / 10, options.last), False
-            continue
-        magnitude = minimiser.problem.magnitude(minimum.state)
-        enough, nothing = options.refined * magnitude, options.nothing * magnitude
-        if is_last or minimum.decrement <= (nothing if minimum.ending is Ending.STALLED else enough):
-            break
-        is_last, last = True, minimum
-        if minimum.proximal.weight < firm:
-            minimum = at_rest(minimiser, minimum, path.scale, options.resting, options, options.refined, lowest)
-        else:
-            place, held, name = minimum.state.displacement, minimum.proximal, minimum.proximal.weight / path.scale
-            minimum, _ = minimised(minimiser, place, held, 0.0, name, enough, lowest=lowest, is_settled=True)
-        if minimum.ending is Ending.NO_DESCENT and last.decrement <= nothing:
-            minimum = last
-    return replace(in_balance(minimiser, minimum, path.scale, options), to_fall=to_fall)
-
-
-def _pull(minimiser: Minimiser, minimum: Minimum, weight: float, options: ContinuationOptions) -> float:
-    """Return the proximal force over what is allowed.
-
-    It is 0 where walls are not followed on, or under no smaller weight, and where they are hardly strained: nothing
-    drives them on.
-    """
-    if not options.sufficient or weight <= options.last:
-        return 0.0
-    if minimiser.problem.magnitude(minimum.state) <= energy_of_nothing(minimiser, options):
-        return 0.0
-    return pull_over_felt(minimiser, minimum, options.allowed)
-
-
-def until_conditions_hold(
-    minimiser: Minimiser,
-    minimum: Minimum,
-    length: float,
-    options: ContinuationOptions,
-    *,
-    name: float = 0.0,
-    most: int | None = None,
-) -> Minimum:
-    """Update multipliers and minimise in turn until what is missed is nothing beside `length`.
-
-    Where the active set cycles, it goes on for at most so many iterations. Where nothing to speak of is missed, no
-    minimisation is more exact than that asks for, and where no step lowers the energy, as at a kink, it ends there.
-    Multipliers are foreseen where an accuracy is asked for: those that updates approach slowly, as of confined walls,
-    then miss by some times what is judged, which is nothing beside the accuracy. Without one they are updated one by
-    one.
-    """
-    before, was_increased, spent = float("inf"), False, minimiser.effort.iterations
-    for _ in range(options.most_updates):
-        met = _met(minimiser, minimum, options.condition * length, options.missed_work)
-        missed, energy = minimiser.problem.update_multipliers(minimum.state)
-        nothing = options.nothing * minimiser.problem.magnitude(minimum.state)
-        is_nothing = 0 < energy <= nothing
-        helpless = was_increased and missed > before / 2 and is_nothing
-        is_met = missed <= met or helpless
-        if is_met and not minimiser.problem.take_finer_rule(minimum.state):
-            return minimum if helpless else balanced(minimiser, minimum, energy, options, name)
-        _log.info("conditions missed by %.1e%s", missed, "; a finer quadrature rule follows" if is_met else "")
-        was_increased = not is_met and missed > options.slow * before
-        if was_increased:
-            minimiser.problem.increase_penalty()
-        before = float("inf") if is_met else missed  # by a finer rule, what was missed before says nothing
-        start, tolerance = minimum.state.displacement, options.update * (nothing if is_nothing else energy)
-        if options.sufficient:
-            start = with_foreseen_multipliers(minimiser, minimum, missed, max(options.foreseen * missed, met / 10))
-        last = minimum
-        minimum, _ = minimised(minimiser, start, minimum.proximal, options.at_the_end, name, tolerance, options.cycling)
-        if minimum.ending is Ending.NO_DESCENT and is_nothing:
-            state = minimiser.problem.at(last.state.displacement)
-            ending = Ending.STALLED if options.sufficient else last.ending  # where no accuracy is asked for, it goes on
-            return replace(last, state=state, ending=ending, decrement=minimum.decrement)
-        if not minimum.is_found:
-            return minimum
-        cycles = minimum.ending is Ending.STALLED
-        if cycles and most is not None and minimiser.effort.iterations - spent > most:
-            break
-    return replace(minimum, ending=Ending.CONDITIONS_MISSED)
-
-
-def _met(minimiser: Minimiser, minimum: Minimum, length: float, share: float) -> float:
-    """Return the length by which conditions may be missed: less than a length where walls are so stiff that the work of
-    contact pressures on it would be more than a share of the energy."""
-    problem, state = minimiser.problem, minimum.state
-    if not problem.has_multipliers:
-        return length
-    force = float(np.abs(problem.gradient_of_constraints(state)).sum())
-    return length if not force else min(length, share * problem.magnitude(state) / force)

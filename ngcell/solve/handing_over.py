@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ngcell.solve.continuation import Continuation, rested
+from ngcell.solve.continuation import Continuation
 from ngcell.solve.foreseen import with_first_multipliers
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Ending, Minimum
@@ -21,6 +21,7 @@ from ngcell.solve.problem import Problem
 from ngcell.solve.proximal import ProximalTerm
 from ngcell.solve.recentred import at_rest, recentred
 from ngcell.solve.refined import settled
+from ngcell.solve.rested import rested
 from ngcell.solve.stability import stable_minimum
 
 _log = logging.getLogger(__name__)
@@ -113,4 +114,4 @@ class HandingOver:
         last, handing = self.last, self.path.options.handing_over
         share = handing.before_multipliers
         minimum = at_rest(last, minimum, self.path.scale, handing.resting, handing, share, lowest)
-        return rested(last, minimum, self.path, lowest) if minimum.is_found else minimum
+        return rested(last, minimum, self.path.scale, self.path.options, lowest) if minimum.is_found else minimum

@@ -30,15 +30,16 @@ _log = logging.getLogger(__name__)
 
 def recentred(
     minimiser: Minimiser, start: Array, weight: float, options: ContinuationOptions, lowest: float = -np.inf,
-    *, is_settled: bool = False,
+    *, is_settled: bool = False, most: int = 0,
 ) -> Minimum:  # fmt: skip
     """Return a state near a place from which the energy hardly falls any more.
 
     It ends where all falls of the energy that are still to come, as many as go on like the last two, are no more than
     what suffices, and the proximal force is not felt; or where bodies are hardly strained at all. What may still fall
     is told. Where falls are slow, the weight is lowered. An energy below `lowest` ends it, too, as no equilibrium; and
-    so do overlaps that stiffer and stiffer penalty terms do not undo.
+    so do overlaps that stiffer and stiffer penalty terms do not undo, and so many iterations, if `most` is not 0.
     """
+    before_it = minimiser.effort.iterations
     proximal, fallen, scale = ProximalTerm(weight, start), float("inf"), weight / options.recentred
     ways, overlaps, place = _Ways(minimiser), _Overlaps(options), start
     for _ in range(options.most_recentred):
@@ -46,7 +47,8 @@ def recentred(
         energy = state.energy
         sufficient = max(options.sufficient * minimiser.problem.magnitude(state), energy_of_nothing(minimiser, options))
         enough = options.update * sufficient
-        minimum, _ = minimised(minimiser, place, proximal, 0.0, name, enough, lowest=lowest, is_settled=is_settled)
+        left = max(most - (minimiser.effort.iterations - before_it), 1) if most else None
+        minimum, _ = minimised(minimiser, place, proximal, 0.0, name, enough, left, lowest, is_settled=is_settled)
         if not minimum.is_found:
             return minimum
         before, fallen = fallen, energy - minimum.state.energy
@@ -193,15 +195,28 @@ def pull_over_felt(minimiser: Minimiser, minimum: Minimum, share: float) -> floa
     problem, state = minimiser.problem, minimum.state
     gradient, constraints = problem.gradient(state), problem.gradient_of_constraints(state)
     nodal = minimum.proximal.gradient(state.displacement, problem.metric)
-    at_supports = np.where(problem.free, 0.0, gradient + nodal)
-    contact, support = problem.resultants(constraints), problem.resultants(at_supports)
+    support = _at_supports(minimiser, minimum, gradient)
     pull, within = problem.resultants(nodal), float(np.linalg.norm(gradient - constraints))
-    on_body = max(_largest(contact), _largest(support))
+    on_body = max(_largest(problem.resultants(constraints)), _largest(support))
     on_all = max(on_body, force_through(support))
     if not share * on_body > 0:
         return 0.0
     of_nodes = float(np.linalg.norm(nodal)) / max(within, on_body)
     return max(_largest(pull) / on_body, float(np.linalg.norm(pull.sum(axis=0))) / on_all, of_nodes) / share
+
+
+def decrement_of_pull(minimiser: Minimiser, minimum: Minimum, weight: float, share: float) -> float:
+    """Return the decrement from which on a proximal term of this weight pulls no body by more than a share of the
+    largest force on one.
+
+    A way d to the minimum of energy and proximal term, ``weight/2 |d|^2``, costs no more than the energy gains. What
+    pulls a body of mass m is ``weight m`` times its mean way, and at most ``weight sqrt(m) |d|``.
+    """
+    problem, state = minimiser.problem, minimum.state
+    contact = problem.resultants(problem.gradient_of_constraints(state))
+    force = max(_largest(contact), _largest(_at_supports(minimiser, minimum, problem.gradient(state))))
+    mass = float(problem.resultants(problem.metric @ np.ones_like(state.displacement))[:, 0].max())
+    return (share * force) ** 2 / (2 * weight * mass)
 
 
 def is_too_soft(minimiser: Minimiser, minimum: Minimum) -> bool:
@@ -220,6 +235,13 @@ def force_through(forces: Array) -> float:
     one plate that point against each other count in it.
     """
     return float(np.linalg.norm(np.maximum(forces, 0.0).sum(axis=0)))
+
+
+def _at_supports(minimiser: Minimiser, minimum: Minimum, gradient: Array) -> Array:
+    """Return the forces of supports on bodies, shape (bodies, dimension)."""
+    problem = minimiser.problem
+    nodal = minimum.proximal.gradient(minimum.state.displacement, problem.metric)
+    return problem.resultants(np.where(problem.free, 0.0, gradient + nodal))
 
 
 def _largest(vectors: Array) -> float:

@@ -11,12 +11,14 @@ from math import isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.solve.continuation import Continuation, rested, until_conditions_hold
+from ngcell.solve.conditions import until_conditions_hold
+from ngcell.solve.continuation import Continuation
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.options import SolverOptions
 from ngcell.solve.proximal import ProximalTerm
 from ngcell.solve.recentred import at_rest, recentred
+from ngcell.solve.rested import rested
 from ngcell.solve.stability import stable_minimum
 
 Array = NDArray[np.float64]
@@ -65,9 +67,7 @@ def settled(
     energy where they are: it is tried once more from the start. So it is where they fold on the way, and nothing is
     found.
     """
-    once = partial(
-        _settled_once, minimisers, start, softer, length=length, options=options, path=path, share=share
-    )
+    once = partial(_settled_once, minimisers, start, softer, length=length, options=options, path=path, share=share)
     minimum = once()
     while minimum.ending is Ending.NO_DESCENT and minimisers[-1].problem.take_finer_rule(minimum.state):
         minimum = once()
@@ -128,7 +128,7 @@ def stable(
     """Return a minimum below a saddle, at rest on the path; what is no saddle is told its lowest curvature."""
 
     def until_rested(below: Minimum) -> Minimum:
-        return rested(minimiser, below, path)
+        return rested(minimiser, below, path.scale, path.options)
 
     return stable_minimum(minimiser, minimum, until_rested, options.stability, scale=path.scale, length=length)
 

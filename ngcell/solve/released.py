@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.solve.continuation import Continuation, until_conditions_hold
+from ngcell.solve.conditions import until_conditions_hold
+from ngcell.solve.continuation import Continuation
 from ngcell.solve.effort import Effort
 from ngcell.solve.handing_over import HandingOver
 from ngcell.solve.minimise import Minimiser

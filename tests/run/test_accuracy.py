@@ -84,7 +84,7 @@ def test_the_weight_with_which_it_does_changes_nothing_that_was_asked_for():
 
 
 def test_what_the_energy_may_still_fall_counts_in_its_error(monkeypatch: pytest.MonkeyPatch):
-    """Too few centres for a large weight: bodies have not come to rest."""
+    """Too few centres for a large weight: what may still fall is told by them, though bodies come to rest later."""
     falls = list[float]()
 
     def without_falls(*given: Any) -> Numbers:
@@ -100,10 +100,10 @@ def test_what_the_energy_may_still_fall_counts_in_its_error(monkeypatch: pytest.
     assert rushed.record.energy_error > usual.record.energy_error
     monkeypatch.setattr(meshed, "numbers_of", without_falls)
     *_, untold = ngcell.simulate(case, options=Options(solver=SolverOptions(continuation=continuation)))
-    assert falls[-1] > 0.05 * rushed.record.energy_error
+    assert falls[-1] > 0.02 * rushed.record.energy_error
     assert rushed.record.energy_error - untold.record.energy_error == pytest.approx(falls[-1], rel=1e-6)
-    # No body is held: as long as one is, there are more centres, under smaller weights.
-    assert failures(rushed) == ("estimated_error",)
+    # No body is held: as long as one is, there are more centres, under smaller weights, and it comes to rest.
+    assert not failures(rushed)
 
 
 def test_a_low_accuracy_takes_a_coarser_mesh():

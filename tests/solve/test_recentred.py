@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from ngcell.solve.continuation import Continuation, rested, until_conditions_hold
+from ngcell.solve.conditions import until_conditions_hold
+from ngcell.solve.continuation import Continuation
 from ngcell.solve.continuation_options import ContinuationOptions
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Ending, Minimum
@@ -16,6 +17,7 @@ from ngcell.solve.options import SolverOptions
 from ngcell.solve.proximal import ProximalTerm
 from ngcell.solve.recentred import at_rest, force_through, pull_over_felt, recentred
 from ngcell.solve.refined import settled
+from ngcell.solve.rested import rested
 from tests.solve.test_minimise import NOWHERE, Landscape, Model, Point
 
 #: Weight of the proximal term, and that beside which the bowl is soft.
@@ -145,7 +147,7 @@ def test_last_digits_are_found_under_a_firm_hold_and_the_pull_that_is_left_is_ta
     firm = at_rest(minimiser, begin, path.scale, options.resting, options, 1e-12)
     assert firm.state.displacement[0] == pytest.approx(0.01 * FAR, rel=0.02)
     assert pull_over_felt(minimiser, firm, options.allowed) == pytest.approx(0.04 / options.allowed, rel=0.02)
-    free = rested(minimiser, firm, path)
+    free = rested(minimiser, firm, path.scale, path.options)
     assert free.is_found
     assert pull_over_felt(minimiser, free, options.allowed) <= 1
     assert free.state.displacement[0] == pytest.approx(FAR, rel=0.05)
@@ -175,8 +177,8 @@ def test_conditions_are_met_once_the_pull_that_is_left_is_taken_away(monkeypatch
         pulls.append(pull_over_felt(minimiser, minimum, options.allowed))
         return until_conditions_hold(minimiser, minimum, *rest, **more)
 
-    monkeypatch.setattr("ngcell.solve.continuation.until_conditions_hold", noted)
-    assert rested(minimiser, firm, path).is_found
+    monkeypatch.setattr("ngcell.solve.rested.until_conditions_hold", noted)
+    assert rested(minimiser, firm, path.scale, path.options).is_found
     assert pulls and max(pulls) <= 1
 
 
@@ -253,10 +255,11 @@ def test_meshes_that_lead_end_early_and_last_digits_are_found_where_they_are_rep
     begin = Minimum(Well().at(np.zeros(3)), Ending.CONVERGED, 1.0, ProximalTerm(0.0, np.zeros(3)))
     led = at_rest(minimiser, begin, path.scale, 1.0, options, 1e-3)
     assert options.refined < led.decrement <= 1e-3
-    found = rested(minimiser, led, path)
+    found = rested(minimiser, led, path.scale, path.options)
     assert found.is_found and found.decrement <= options.refined
     spent = minimiser.effort.iterations
-    assert rested(minimiser, found, path).state is found.state and minimiser.effort.iterations == spent
+    assert rested(minimiser, found, path.scale, path.options).state is found.state
+    assert minimiser.effort.iterations == spent
 
 
 def test_a_path_that_only_leads_ends_at_falls_that_its_own_mesh_exceeds_by_far():
@@ -290,7 +293,7 @@ def test_conditions_that_miss_nothing_to_speak_of_may_end_at_a_kink(monkeypatch,
 
     minimiser = Minimiser(Kinked(), 1.0, energy_scale=1.0)
     minimum = Minimum(minimiser.problem.at(np.zeros(3)), Ending.CONVERGED, 1e-13, NOWHERE)
-    monkeypatch.setattr("ngcell.solve.continuation.minimised", stuck)
+    monkeypatch.setattr("ngcell.solve.conditions.minimised", stuck)
     options = ContinuationOptions() if np.isinf(accuracy) else ContinuationOptions().within(accuracy)
     found = until_conditions_hold(minimiser, minimum, 1.0, options)
     assert found.ending is ending
@@ -302,10 +305,10 @@ def test_at_a_kink_no_last_digits_are_looked_for_once_more(monkeypatch):
     options, minimiser = ContinuationOptions().within(0.01), Minimiser(Bowl(), 1.0, energy_scale=1.0)
     state = minimiser.problem.at(np.array([1.0, 0.0, 0.0]))
     stalled = Minimum(state, Ending.STALLED, options.nothing * abs(state.energy) / 2, NOWHERE)
-    assert rested(minimiser, stalled, Continuation(1e-9, options)).state is state
+    assert rested(minimiser, stalled, 1e-9, options).state is state
     assert minimiser.effort.iterations == 0
     for other in (replace(stalled, ending=Ending.CONVERGED), replace(stalled, decrement=1e-3)):
-        assert rested(minimiser, other, Continuation(1e-9, options)).decrement < stalled.decrement
+        assert rested(minimiser, other, 1e-9, options).decrement < stalled.decrement
     assert minimiser.effort.iterations > 0
 
 
@@ -322,7 +325,7 @@ def test_what_misses_nothing_to_speak_of_is_followed_no_further(monkeypatch):
 
     minimiser, options = Minimiser(Missing(), 1.0, energy_scale=1.0), ContinuationOptions().within(0.01)
     minimum = Minimum(minimiser.problem.at(np.zeros(3)), Ending.CONVERGED, 1e-13, NOWHERE)
-    monkeypatch.setattr("ngcell.solve.continuation.minimised", noting)
+    monkeypatch.setattr("ngcell.solve.conditions.minimised", noting)
     until_conditions_hold(minimiser, minimum, 1.0, options)
     assert asked == [options.update * options.nothing * minimiser.problem.magnitude(minimum.state)]
 
@@ -427,6 +430,6 @@ def test_last_digits_that_are_round_off_may_be_missing_at_a_kink(monkeypatch, de
     minimiser, path = Minimiser(Bowl(), 1.0, energy_scale=1.0), Continuation(1.0, options)
     held = ProximalTerm(options.resting, np.zeros(3))
     minimum = Minimum(minimiser.problem.at(np.zeros(3)), Ending.CONVERGED, decrement, held)
-    monkeypatch.setattr("ngcell.solve.continuation.minimised", stuck)
-    monkeypatch.setattr("ngcell.solve.continuation.at_rest", lambda *about: pytest.fail("held firmly already"))
-    assert rested(minimiser, minimum, path).ending is ending
+    monkeypatch.setattr("ngcell.solve.rested.minimised", stuck)
+    monkeypatch.setattr("ngcell.solve.rested.at_rest", lambda *about: pytest.fail("held firmly already"))
+    assert rested(minimiser, minimum, path.scale, path.options).ending is ending

@@ -31,7 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.scene.section import PositiveCount, Section
-from ngcell.solve.continuation import until_conditions_hold
+from ngcell.solve.conditions import until_conditions_hold
 from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.outcome import Outcome
 from ngcell.solve.problem import Driven, State

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ngcell.scene.section import PositiveCount, Section
-from ngcell.solve.continuation import until_conditions_hold
+from ngcell.solve.conditions import until_conditions_hold
 from ngcell.solve.effort import OutOfIterations
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Minimum
