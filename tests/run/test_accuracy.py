@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
-from math import isfinite, isnan, nan
+from math import inf, isfinite, isnan, nan
 from pathlib import Path
 from typing import Any, cast
 
@@ -14,6 +14,7 @@ import pytest
 import ngcell
 from ngcell.build import mesh_level, meshed
 from ngcell.build.options import Options
+from ngcell.build.refinement import Refinement
 from ngcell.build.reported import Step
 from ngcell.build.simulation import Simulation
 from ngcell.build.stages import Stage
@@ -104,6 +105,23 @@ def test_what_the_energy_may_still_fall_counts_in_its_error(monkeypatch: pytest.
     assert rushed.record.energy_error - untold.record.energy_error == pytest.approx(falls[-1], rel=1e-6)
     # No body is held: as long as one is, there are more centres, under smaller weights, and it comes to rest.
     assert not failures(rushed)
+
+
+def test_where_walls_have_slid_far_as_they_came_to_rest_a_finer_mesh_tells_the_error(monkeypatch: pytest.MonkeyPatch):
+    """Meshes before tell nothing of where walls have come to: the error is told by what the finer one changes."""
+    *_, usual = steps("accuracy=0.1")
+    slid, asked = Refinement._slid, list[Numbers]()
+
+    def slid_once(refinement: Refinement[Simulation], led: Numbers, times: float) -> float:
+        asked.append(led)
+        return inf if len(asked) == 1 else slid(refinement, led, times)
+
+    monkeypatch.setattr(Refinement, "_slid", slid_once)
+    *_, step = ngcell.simulate(ngcell.read_case("shear-empty-3x3", [*SMALL, "accuracy=0.1"]))
+    assert step.record.certified and len(step.meshes) == len(usual.meshes) + 1
+    changed = abs(step.record.energy - asked[0].energy)
+    assert 0 < step.record.energy_error < usual.record.energy_error
+    assert step.record.energy_error < changed  # a finer mesh errs by a share of what it has changed
 
 
 def test_a_low_accuracy_takes_a_coarser_mesh():
