@@ -39,9 +39,9 @@ class ContinuationOptions:
     allowed, allowed_of_accuracy : float, float
         Pull that is allowed in a result, as a share of the largest force on a body; and that over the accuracy that is
         asked for, nine tenths of what the certificate allows.
-    allowed_to_lead, most_led : float, int
-        The most that is allowed on a mesh that only leads to finer ones; and how often as many iterations as the path
-        took may follow walls there.
+    allowed_to_lead, most_led, led_at_most : float, int, float
+        The most that is allowed on a mesh that only leads to finer ones; how often as many iterations as the path took
+        may follow walls there; and the share of the work of a step from which on they do not.
     only_leads : bool
         Whether the end of the path only leads to equilibria on finer meshes.
     handover, handover_update, handover_idle : float, float, float
@@ -105,6 +105,7 @@ class ContinuationOptions:
     allowed_of_accuracy: float = 0.09
     allowed_to_lead: float = 1e-3
     most_led: int = 10
+    led_at_most: float = 0.5
     only_leads: bool = False
     handover: float = 3.0
     handover_update: float = 0.01

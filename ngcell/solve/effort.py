@@ -69,5 +69,10 @@ class Budget:
             raise OutOfIterations
 
     @property
+    def used(self) -> float:
+        """The share of the work of this step that is spent."""
+        return (self._work - self._before) / (self._times * self.most)
+
+    @property
     def _work(self) -> int:
         return sum(effort.work for effort in self._efforts)

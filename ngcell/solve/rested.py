@@ -37,11 +37,11 @@ def rested(
     """Return the equilibrium beside a minimum, to the last digit: conditions of contact hold, and the proximal force is
     no more than a certificate allows.
 
-    As long as it is more, walls are followed on from there, until it is half of that, at first under the weight under
-    which last digits are found, then under smaller ones. Conditions are met once walls need not be followed, and walls
-    go on if they slide as that is done. It ends where the energy falls below `lowest`, and without the last digits
-    where no step lowers the energy, as at a kink. Without an accuracy no force is allowed, and the one that the path
-    has left stays.
+    As long as it is more, walls are followed on from there, until it is half of that, at first under a tenth of the
+    weight under which last digits are found, then under smaller ones. Conditions are met once walls need not be
+    followed, and walls go on if they slide as that is done. It ends where the energy falls below `lowest`, and without
+    the last digits where no step lowers the energy, as at a kink. Without an accuracy no force is allowed, and the one
+    that the path has left stays.
     """
     to_fall, firm = minimum.to_fall, scale * options.resting
     share = options.before_multipliers if minimiser.problem.has_multipliers else options.of_leading
@@ -86,27 +86,30 @@ def led_to_rest(
     them by more than a decrement at which minimisations end.
     """
     options = replace(options, allowed=min(options.allowed, options.allowed_to_lead))
-    weight, before = options.resting / 10, minimiser.effort.iterations
-    energy, times = minimum.state.energy, 1
-    while minimum.is_found:
-        minimum = at_rest(minimiser, minimum, scale, options.resting, options, options.of_leading)
-        pull, led = _pull(minimiser, minimum, weight, options), minimiser.effort.iterations - before
-        if not minimum.is_found or pull <= 1:
-            break
+    weight, before, times, energy = options.resting / 10, minimiser.effort.iterations, 1, minimum.state.energy
+    if not minimum.is_found:
+        return minimum
+    rest = at_rest(minimiser, minimum, scale, options.resting, options, options.of_leading)
+    while rest.is_found and _pull(minimiser, rest, weight, options) > 1:
+        led = minimiser.effort.iterations - before
         if led >= times * way:
-            enough = options.update * options.sufficient * minimiser.problem.magnitude(minimum.state)
-            if times >= options.most_led or energy - minimum.state.energy <= enough:
+            enough = options.update * options.sufficient * minimiser.problem.magnitude(rest.state)
+            if times >= options.most_led or energy - rest.state.energy <= enough:
                 break
-            energy, times = minimum.state.energy, led // way + 1
-        _log.info("the proximal force is %.2g times what leads on", pull)
-        following = _until_no_pull(minimiser, minimum, scale * options.resting, replace(options, recentred=weight))
-        place, most = minimum.state.displacement, times * way - led
-        minimum = recentred(minimiser, place, scale * weight, following, most=most)
-        if minimum.ending is Ending.TOO_MANY_ITERATIONS:
-            minimum = replace(minimum, ending=Ending.CONVERGED)  # it comes to rest where it is
-        else:
-            weight = max(weight / 10, options.last)
-    return minimum
+            energy, times = rest.state.energy, led // way + 1
+        if minimiser.budget.used > options.led_at_most:
+            break
+        _log.info("the proximal force is more than leads to finer meshes")
+        following = _until_no_pull(minimiser, rest, scale * options.resting, replace(options, recentred=weight))
+        place, most = rest.state.displacement, times * way - led
+        followed = recentred(minimiser, place, scale * weight, following, most=most)
+        is_cut = followed.ending is Ending.TOO_MANY_ITERATIONS
+        if is_cut or followed.is_found:
+            followed = at_rest(minimiser, followed, scale, options.resting, options, options.of_leading)
+        if not followed.is_found:
+            return replace(rest, state=minimiser.problem.at(place))  # contact may have adapted
+        rest, weight = followed, weight if is_cut else max(weight / 10, options.last)
+    return rest
 
 
 def _until_no_pull(

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from ngcell.solve.continuation_options import ContinuationOptions
+from ngcell.solve.effort import Budget
 from ngcell.solve.minimise import Minimiser
 from ngcell.solve.minimum import Ending, Minimum
 from ngcell.solve.proximal import ProximalTerm
@@ -69,6 +70,28 @@ def test_a_mesh_that_leads_is_followed_as_long_as_the_path_took_and_on_while_the
     assert found.is_found
     assert times * way <= minimiser.effort.iterations < (times + 2) * way
     assert 0 < found.state.displacement[0] < FAR
+
+
+def test_walls_are_followed_for_no_more_than_half_of_the_work_of_a_step():
+    """What is left is for finer meshes, and for what makes the step out of it."""
+    valley = Valley()
+    budget = Budget(most=100)
+    minimiser = Minimiser(valley, 2e-3, energy_scale=1.0, budget=budget)
+    found = led_to_rest(minimiser, at(valley, 0.0), 1.0, replace(OPTIONS, resting=1.0), 20)
+    assert found.is_found and 0.5 < budget.used < 1
+
+
+@pytest.mark.parametrize("ending", [Ending.NO_DESCENT, Ending.CONDITIONS_MISSED])
+def test_walls_that_cannot_be_followed_stay_where_they_have_come_to_rest(monkeypatch, ending):
+    bowl = Bowl(curvature=0.01)
+    minimiser = Minimiser(bowl, 10.0, energy_scale=1.0)
+    begin = at(bowl, FAR - 5.0)
+    lost = replace(begin, ending=ending, state=bowl.at(np.array([3.0, 0.0, 0.0])))
+    monkeypatch.setattr("ngcell.solve.rested.recentred", lambda *where, **how: lost)
+    found = led_to_rest(minimiser, begin, 1.0, OPTIONS, 1000)
+    rest = at_rest(minimiser, begin, 1.0, OPTIONS.resting, OPTIONS, OPTIONS.of_leading)
+    assert found.is_found
+    np.testing.assert_array_equal(found.state.displacement, rest.state.displacement)
 
 
 def test_a_mesh_that_leads_comes_to_rest_with_less_pull_than_is_allowed_where_it_is_reported():
