@@ -169,8 +169,8 @@ class Refinement(Generic[Scene]):
                 found, refined = [here.without_contact if last.only_leads else here], []
                 last = replace(finished, errors=Errors())
                 continue
-            if is_released and not last.only_leads:
-                finished, found[-1] = replace(finished, errors=errors_beside(finished.errors, found[-1], here)), here
+            if not last.only_leads:
+                found[-1] = here
             if not is_enough:
                 last = replace(last, accepted=replace(last.accepted, effort=finished.accepted.effort))
                 continue
@@ -209,12 +209,16 @@ class Refinement(Generic[Scene]):
         """Return a step at rest by the contact that is meant, with its errors; None where it finds no equilibrium.
 
         With a potential below `leads_below` it is not at rest. What the meshes have changed is told by minima that are
-        as much at rest on each.
+        as much at rest on each; what changes as walls come to rest by the same contact, counts besides.
         """
         finished = self._levels[last.level].finished(last, may_slide=may_slide, leads_below=leads_below)
         if finished is None:
             return None
-        return replace(finished, errors=estimate(found, refined, meant=self._levels[last.level].numbers(finished)))
+        here = self._levels[last.level].numbers(finished)
+        errors = estimate(found, refined, meant=here)
+        if refined and not last.only_leads and finished is not last:
+            errors = errors_beside(errors, found[-1], here)
+        return replace(finished, errors=errors)
 
     def _slid(self, led: Numbers, times: float) -> float:
         """Return the potential below which walls have slid on as they came to rest, or as multipliers took over, at so
