@@ -75,7 +75,8 @@ def test_shapes_of_both_sides_are_smooth_on_a_segment(order):
     """All feet of a segment's points lie on its other edge, and the ends of segments are projections of vertices."""
     stack = blocks(FINER_ABOVE, order=order)
     segments, nodes = segments_of(stack, stack.upper_moved((0.07, -0.01)), primary=0)
-    points, cuts = segment_pairs(stack.walls, nodes, segments, REACH)
+    points, ends = segment_pairs(stack.walls, nodes, segments, REACH)
+    cuts = ends.cuts
     assert ((points.secondary_xi > 0) & (points.secondary_xi < 1)).all()
     assert set(cuts.secondary_xi) <= {0.0, 1.0}
     foot = stack.walls.places(cuts.secondary, cuts.secondary_xi, nodes)
@@ -87,7 +88,7 @@ def test_cuts_say_how_fast_the_facing_length_grows():
     stack = blocks(FINER_ABOVE)
     for slide, rate in ((0.21, -1.0), (-0.21, 1.0)):
         segments, nodes = segments_of(stack, stack.upper_moved((slide, 0.0)), primary=0)
-        _, cuts = segment_pairs(stack.walls, nodes, segments, REACH)
+        cuts = segment_pairs(stack.walls, nodes, segments, REACH)[1].cuts
         along = nodes[cuts.primary, -1, 0] - nodes[cuts.primary, 0, 0]
         assert (cuts.weight / along).sum() == pytest.approx(rate, abs=1e-12)
 
@@ -121,5 +122,5 @@ def test_walls_out_of_reach_have_no_points():
     at = stack.upper_moved((0.0, 1.01 * REACH))
     segments, nodes = segments_of(stack, at, primary=0)
     assert len(segments.primary)
-    points, cuts = segment_pairs(stack.walls, nodes, segments, REACH)
-    assert len(points) == len(cuts) == 0
+    points, ends = segment_pairs(stack.walls, nodes, segments, REACH)
+    assert len(points) == len(ends.cuts) == 0

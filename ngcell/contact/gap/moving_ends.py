@@ -1,4 +1,9 @@
-"""What the ends of segments add to weighted gaps: vertices of the other wall, which slide along with it."""
+"""What the ends of segments add to weighted gaps: vertices of the other wall, which slide along with it.
+
+As an end moves, the points of its segment move along, and their weights change. Derivatives are those of the rule: the
+integral's own, psi times the gap at the end, differs from them by the error of the rule, and minimisations would end
+where forces are not the slopes of the energy.
+"""
 
 from __future__ import annotations
 
@@ -11,15 +16,17 @@ from scipy import sparse
 from ngcell.contact.gap.kinematics import GapKinematics, positive_part
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
 class Cuts:
-    """Moving ends of segments: with an end at xi, ``d (integral psi g) / d xi = psi g |X'|``.
+    """Moving ends of segments.
 
     The end follows from ``a . t = 0``, with a from the vertex of the other wall to the point on the edge:
-    ``d xi = -(t . da + a . dt) / (x' . t)``. Terms of second order in the gap at the end are left out of the curvature,
-    but for how it comes to rest at the end of its own wall; they vanish with it.
+    ``d xi = -(t . da + a . dt) / (x' . t)``. The curvature is that of the integral, ``d (integral psi g) / d xi =
+    psi g |X'|``. Terms of second order in the gap at the end are left out of it, but for how it comes to rest at the
+    end of its own wall; they vanish with the gap.
 
     Attributes
     ----------
@@ -29,6 +36,15 @@ class Cuts:
         The vertices, and where they are projected to.
     share : csr_array, shape (m, n)
         psi |X'| of each end over the integral of psi, for each multiplier.
+    row : array of int, shape (n, functions)
+        Multiplier of each function on the segment's edge.
+    point : array of int, shape (n, points)
+        The points of the segment among those of the weighted gaps.
+    along : array of float, shape (n, points, 2)
+        Deformed tangent of the edge there [length].
+    by_gap, by_slope : array of float, shape (n, functions, points)
+        By how much a weighted gap changes with the end for each unit of the gaps of the points, and of their
+        derivatives along the edge.
     slope : array of float, shape (n, 2)
         Deformed tangent x' of the edge where they are projected to [length].
     rate, bend : array of float, shape (n,)
@@ -39,15 +55,22 @@ class Cuts:
     kinematics: GapKinematics
     projected: GapKinematics
     share: sparse.csr_array
+    row: Index
+    point: Index
+    along: Array
+    by_gap: Array
+    by_slope: Array
     slope: Array
     rate: Array
     bend: Array
 
-    def jacobian(self, positions: Array) -> sparse.csr_array:
-        """Return what moving ends add to the derivatives of the weighted gaps."""
-        gap, _ = self.kinematics.slopes(positions)
-        moved = self._moved(positions)
-        return self.share @ self.projected.jacobian(gap[:, None] * moved, positions.shape[1])
+    def jacobian(self, gap: Array, slopes: Array, positions: Array) -> sparse.csr_array:
+        """Return what moving ends add to the derivatives of the weighted gaps, from the gaps and slopes of points."""
+        risen = np.einsum("nkd,nkd->nk", slopes[self.point, :2], self.along)
+        change = np.einsum("nfk,nk->nf", self.by_gap, gap[self.point]) + np.einsum("nfk,nk->nf", self.by_slope, risen)
+        column = np.repeat(np.arange(len(change)), change.shape[1])
+        by_end = sparse.csr_array((change.ravel(), (self.row.ravel(), column)), shape=self.share.shape)
+        return by_end @ self.projected.jacobian(self._moved(positions), positions.shape[1])
 
     def curvature(self, positions: Array, normal_force: Array, *, convex: bool = False) -> sparse.coo_array:
         """Return what moving ends add to the tangent under the multipliers' forces, shape (m,) [stress * length]; its

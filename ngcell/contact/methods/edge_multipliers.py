@@ -32,6 +32,12 @@ class EdgeFunctions:
         binomial = np.array([comb(self.degree, k) for k in power])
         return np.asarray(binomial * xi**power * (1 - xi) ** (self.degree - power))
 
+    def slopes(self, xi: Array) -> Array:
+        """Return the derivatives of the functions, shape (*xi.shape, degree + 1)."""
+        lower = EdgeFunctions(self.degree - 1).values(xi)
+        ends = [(0, 0)] * (lower.ndim - 1)
+        return np.asarray(self.degree * (np.pad(lower, [*ends, (1, 0)]) - np.pad(lower, [*ends, (0, 1)])))
+
     def numbered(self, walls: EdgeSurface, sharp: NDArray[np.bool_]) -> Index:
         """Return numbers for the functions on each edge, shape (edges, degree + 1).
 

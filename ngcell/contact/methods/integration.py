@@ -14,12 +14,13 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.methods.multipliers import SHARP
+from ngcell.contact.methods.edge_multipliers import EdgeFunctions
+from ngcell.contact.methods.multipliers import SHARP, MultiplierSpace
 from ngcell.contact.pairing.intersections import find_intersections, intersection_pairs
 from ngcell.contact.pairing.near import NearFacets, Reach
 from ngcell.contact.pairing.pairs import ContactPairs
 from ngcell.contact.pairing.search import PairSearch
-from ngcell.contact.pairing.segments import find_segments, segment_pairs
+from ngcell.contact.pairing.segments import SegmentEnds, find_segments, segment_pairs
 from ngcell.contact.pairing.wall_ends import WallEnds
 from ngcell.contact.surface.edges import EdgeSurface
 from ngcell.contact.surface.facets import FacetSurface
@@ -32,7 +33,7 @@ Index = NDArray[np.int64]
 class Integration(Protocol):
     """A rule along the walls."""
 
-    def points(self, nodes: Array) -> tuple[ContactPairs, ContactPairs | None]:
+    def points(self, nodes: Array) -> tuple[ContactPairs, SegmentEnds | None]:
         """Return the points with their contact pairs, and the cuts that end segments where these move."""
 
     def renew(self, nodes: Array) -> bool:
@@ -42,6 +43,23 @@ class Integration(Protocol):
 def wall_ends(walls: EdgeSurface) -> WallEnds:
     """Return the ends of walls, where multipliers are broken, too."""
     return WallEnds(np.abs(walls.exterior_angle) >= SHARP)
+
+
+def rule_of_ends(
+    walls: Surface, space: MultiplierSpace, ends: SegmentEnds, points: ContactPairs, nodes: Array
+) -> tuple[Array, Array, Array]:
+    """Return tangents and factors of a rule whose points move along with the ends of segments.
+
+    They are those of `ngcell.contact.gap.moving_ends.Cuts`: `along`, `by_gap` and `by_slope`.
+    """
+    found = points.chosen(ends.point.ravel())
+    (along,) = walls.tangents(found.primary, found.primary_xi, nodes)
+    functions, shape = EdgeFunctions(space.degree), (*ends.point.shape, space.row.shape[1])
+    share = (found.weight[:, None] / space.weight[space.row[found.primary]]).reshape(shape)
+    values, slopes = (share * each(found.primary_xi).reshape(shape) for each in (functions.values, functions.slopes))
+    follows, grows = ends.follows[..., None], ends.grows[..., None]
+    by_gap, by_slope = grows * values + follows * slopes, follows * values
+    return along.reshape(*ends.point.shape, 2), by_gap.transpose(0, 2, 1), by_slope.transpose(0, 2, 1)
 
 
 class SegmentIntegration:
@@ -64,7 +82,7 @@ class SegmentIntegration:
         self._near = NearFacets(walls, reach)
         self._ends = wall_ends(walls)
 
-    def points(self, nodes: Array) -> tuple[ContactPairs, ContactPairs | None]:
+    def points(self, nodes: Array) -> tuple[ContactPairs, SegmentEnds | None]:
         """Return the points of the segments of this state, and their ends."""
         primary, secondary = _with_multipliers(self._walls, self._rank, *self._near.pairs(nodes))
         segments = find_segments(self._walls, nodes, primary, secondary, self._limit, self._ends)
@@ -84,7 +102,7 @@ class IntersectionIntegration:
         self._search: PairSearch | None = None
         self._faced = np.zeros(0, dtype=np.int64)
 
-    def points(self, nodes: Array) -> tuple[ContactPairs, ContactPairs | None]:
+    def points(self, nodes: Array) -> tuple[ContactPairs, SegmentEnds | None]:
         """Return the points of the polygons last found, each with its closest point on the body that it faced there."""
         if self._search is None:
             self.renew(nodes)

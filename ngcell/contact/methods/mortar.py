@@ -49,7 +49,7 @@ from scipy import sparse
 
 from ngcell.contact.gap.by_surface import gap_kinematics
 from ngcell.contact.gap.moving_ends import Cuts
-from ngcell.contact.methods.integration import integration, wall_ends
+from ngcell.contact.methods.integration import integration, rule_of_ends, wall_ends
 from ngcell.contact.methods.mortar_set import MortarSet
 from ngcell.contact.methods.multipliers import MultiplierSpace, constrained_points, sagitta
 from ngcell.contact.methods.notches import Notches, extended
@@ -59,6 +59,7 @@ from ngcell.contact.options import DEFAULT_OPTIONS, ContactOptions
 from ngcell.contact.pairing.near import Reach, adjacency, facing
 from ngcell.contact.pairing.pairs import ContactPairs, joined
 from ngcell.contact.pairing.search import PairSearch
+from ngcell.contact.pairing.segments import SegmentEnds
 from ngcell.contact.pairing.wall_ends import WallEnds
 from ngcell.contact.surface.edges import EdgeSurface
 from ngcell.contact.surface.surface import Surface, SurfacePoints
@@ -154,7 +155,7 @@ class MortarContact:
         rows, average = self._averages(along, constrained)
         return MortarSet(
             kinematics=extended(self.walls, pairs, positions, held),
-            cuts=None if ends is None else self._cuts(ends, rows, positions, nodes),
+            cuts=None if ends is None else self._cuts(ends, along, rows, positions, nodes),
             rows=rows,
             average=average,
             allowance=self._allowance[rows],
@@ -172,13 +173,14 @@ class MortarContact:
         assert isinstance(self.walls, EdgeSurface)  # others have no cuts
         return wall_ends(self.walls)
 
-    def _cuts(self, ends: ContactPairs, rows: Index, positions: Array, nodes: Array) -> Cuts:
-        ways = self._ends
-        projected = replace(ends, primary_xi=ways.projected(ends.primary, ends.primary_xi))
+    def _cuts(self, ends: SegmentEnds, along: ContactPairs, rows: Index, positions: Array, nodes: Array) -> Cuts:
+        ways, cuts = self._ends, ends.cuts
+        projected = replace(cuts, primary_xi=ways.projected(cuts.primary, cuts.primary_xi))
+        kinematics, before = (gap_kinematics(self.walls, pairs, positions) for pairs in (cuts, projected))
+        of_rule = rule_of_ends(self.walls, self.space, ends, along, nodes)
         (slope,) = self.walls.tangents(projected.primary, projected.primary_xi, nodes)
-        kinematics, before = (gap_kinematics(self.walls, pairs, positions) for pairs in (ends, projected))
-        rates = ways.rates(ends.primary, ends.primary_xi)
-        return Cuts(kinematics, before, self._shares(ends, rows), slope, *rates)
+        at = self._shares(cuts, rows), np.searchsorted(rows, self.space.row[cuts.primary]), ends.point
+        return Cuts(kinematics, before, *at, *of_rule, slope, *ways.rates(cuts.primary, cuts.primary_xi))
 
     def _averages(self, along: ContactPairs, constrained: ContactPairs) -> tuple[Index, sparse.csr_array]:
         """Return the multipliers that have points, and the share of each point in their gaps."""

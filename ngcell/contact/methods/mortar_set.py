@@ -95,7 +95,7 @@ class MortarSet:
         gap, slopes = self.kinematics.slopes(positions)
         jacobian = self.average @ self.kinematics.jacobian(slopes, positions.shape[1])
         if self.cuts is not None:
-            jacobian += self.cuts.jacobian(positions)
+            jacobian += self.cuts.jacobian(gap, slopes, positions)
         moved = self.average @ gap + self.allowance - self._lowered
         return moved, jacobian.tocsr(), self.stiffness * self.weight
 

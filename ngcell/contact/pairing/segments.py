@@ -44,6 +44,27 @@ class Segments:
     at: Array
 
 
+@dataclass(frozen=True, eq=False)
+class SegmentEnds:
+    """Ends of segments that move as walls slide: n of them, each of a segment with m points.
+
+    Attributes
+    ----------
+    cuts : ContactPairs
+        The vertices of the other wall, and the points that they are projected to. The weight is the rate at which the
+        segment grows with that point's coordinate [length]: positive at the upper end, negative at the lower one.
+    point : array of int, shape (n, m)
+        The points of the segment.
+    follows, grows : array of float, shape (n, m)
+        By how much the coordinate of each of them, and its weight over itself, changes with the coordinate of the end.
+    """
+
+    cuts: ContactPairs
+    point: Index
+    follows: Array
+    grows: Array
+
+
 def find_segments(
     walls: EdgeSurface,
     nodes: Array,
@@ -81,17 +102,16 @@ def _projected(walls: EdgeSurface, nodes: Array, primary: Index, secondary: Inde
 
 def segment_pairs(
     walls: EdgeSurface, nodes: Array, segments: Segments, reach: Reach, ends: WallEnds | None = None
-) -> tuple[ContactPairs, ContactPairs]:
+) -> tuple[ContactPairs, SegmentEnds]:
     """Return the Gauss points of all segments that come nearer than `reach` [length], and the cuts that end them.
 
-    A cut is a vertex of the other wall and the point that it is projected to. Its weight is the rate at which the
-    segment grows with that point's coordinate [length]: positive at the upper end, negative at the lower one. At `ends`
-    it comes to rest.
+    At `ends` of walls segments come to rest.
     """
     count = walls.basis.order + 2
     place, share = np.polynomial.legendre.leggauss(count)
+    place = (place + 1) / 2
     low, span = segments.at.min(1), np.ptp(segments.at, axis=1)
-    own = (low[:, None] + span[:, None] * (place + 1) / 2).ravel()
+    own = (low[:, None] + span[:, None] * place).ravel()
     primary, secondary = (np.repeat(array, count) for array in (segments.primary, segments.secondary))
     xi, distance = closest_points(walls, nodes, secondary, walls.places(primary, own, nodes))
     near = distance.reshape(-1, count).min(1) < reach_between(walls, reach, segments.primary, segments.secondary)
@@ -99,10 +119,20 @@ def segment_pairs(
     chosen = np.flatnonzero(np.repeat(near, count))
     points = feet(primary[chosen], own[chosen], weight[chosen], secondary[chosen], xi[chosen])
     segment, end = np.nonzero(near[:, None] & (segments.at > 0) & (segments.at < 1))
-    at = segments.at[segment, end]
-    grows = np.where(at > segments.at[segment, 1 - end], 1.0, -1.0)
-    primary = segments.primary[segment]
-    rate = grows * walls.rest_measure(primary, at)
+    at, edge = segments.at[segment, end], segments.primary[segment]
+    upper = at > segments.at[segment, 1 - end]
+    rate, slope = np.where(upper, 1.0, -1.0), np.ones(len(at))
     if ends is not None:
-        rate = rate * ends.rates(primary, at)[0]
-    return points, feet(primary, at, rate, segments.secondary[segment], end.astype(float))
+        slope, _ = ends.rates(edge, at)
+    cuts = feet(edge, at, rate * slope * walls.rest_measure(edge, at), segments.secondary[segment], end.astype(float))
+    point = count * (np.cumsum(near) - 1)[segment, None] + np.arange(count)
+    follows = np.where(upper[:, None], place, 1 - place) * slope[:, None]
+    grows = follows * _growth(walls, points.chosen(point.ravel())).reshape(point.shape)
+    return points, SegmentEnds(cuts, point, follows, grows + (rate * slope / span[segment])[:, None])
+
+
+def _growth(walls: EdgeSurface, points: ContactPairs) -> Array:
+    """Return the derivative of the rest measure along each point's edge over itself."""
+    (tangent,) = walls.tangents(points.primary, points.primary_xi, walls.rest)
+    bend = np.einsum("pi,pid->pd", walls.basis.values(points.primary_xi, 2), walls.rest[points.primary])
+    return np.asarray(np.einsum("pd,pd->p", tangent, bend) / np.einsum("pd,pd->p", tangent, tangent))
