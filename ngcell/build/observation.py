@@ -262,7 +262,7 @@ class Observer:
 def _with_errors(record: StepRecord, errors: Errors) -> StepRecord:
     """Return a row with its estimated errors."""
     columns: dict[str, Any] = {f"{name}_error": getattr(errors, name) for name in ERROR_NAMES}
-    return replace(record, **columns)
+    return replace(record, mean_gap_slid=errors.slid * abs(record.mean_gap), **columns)
 
 
 def _state(accepted: Accepted) -> State:

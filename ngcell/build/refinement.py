@@ -90,11 +90,22 @@ class Refinement(Generic[Scene]):
         It depends on the step alone, not on the meshes of steps before it, of which no matrix is kept.
         """
         try:
+            slid = self._slid_share(accepted)
             found = self._refined_and_stable(accepted)
         finally:
             self._release()
         self.on_the_way = None  # it is accepted: what stops on the way to the next step tells nothing of it
-        return found
+        return replace(found, errors=replace(found.errors, slid=slid))
+
+    def _slid_share(self, accepted: Accepted) -> float:
+        """Return the share of itself by which the mean gap changed as walls were followed to rest on the first mesh."""
+        base, firm = self._levels[0].simulation, accepted.minimum.slid_from
+        if firm is None:
+            return 0.0
+        there = Refined(0, base, base.problem_of(accepted.phase), accepted, Errors(), is_judged=False)
+        here, minimum = step_numbers(there), replace(accepted.minimum, state=there.problem.at(firm))
+        before = step_numbers(replace(there, accepted=replace(accepted, minimum=minimum))).over_walls_of(here)
+        return abs(before.mean_gap - here.mean_gap) / max(abs(here.mean_gap), here.scales[2])
 
     def taken_on(self, reported: Refined[Scene], stages: Sequence[Stage]) -> Refined[Scene] | None:
         """Return a step on the finest of some meshes that finds an equilibrium beside it; None where no finer one does.

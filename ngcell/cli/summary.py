@@ -18,6 +18,7 @@ from ngcell.results.verdict import (
     how_estimated,
     last_load,
     last_numbers,
+    slid_remark,
     with_error,
 )
 
@@ -59,6 +60,8 @@ def number_lines(summary: Mapping[str, Any]) -> Iterator[str]:
     yield f"how sure     {refused}{last_load(summary)}; {remark}"
     for name, (value, error) in last_numbers(summary).items():
         yield f"  {_words(name):13}  {with_error(value, error)}"
+    if slid := slid_remark(summary):
+        yield f"  {slid}"
 
 
 def rupture_lines(table: Mapping[str, Any]) -> Iterator[str]:

@@ -25,6 +25,7 @@ from ngcell.results.verdict import (
     how_estimated,
     last_load,
     last_numbers,
+    slid_remark,
     with_error,
 )
 
@@ -145,6 +146,8 @@ def verdict_of(summary: Mapping[str, Any]) -> Verdict:
         lines.append(remark[:1].upper() + remark[1:] + ".")
     elif summary.get("accuracy"):
         lines.append(f"Asked for a relative error of at most {summary['accuracy']:g}.")
+    if slid := slid_remark(summary):
+        lines.append(slid[:1].upper() + slid[1:] + ".")
     for key, by in _VERIFIED.items():
         if failed := (summary.get(key) or {}).get("failed"):
             lines.append(f"Not verified {by}: {failed}.")

@@ -16,10 +16,10 @@ Where one refinement only tells the errors of the mesh before, see `ngcell.resul
 
 No share is taken larger than `MOST_REMAINS`. Another number may stay by accident while the mesh changes: what the
 refinement before told of it falls by no more than the share. By accident it stays once, so that nothing older is
-remembered; a grade alone does not count, and hands on what it kept. The first mesh, on which the load path is followed,
-is too coarse for what is told by it. Gaps depend on errors elsewhere as well, which a grade towards corners leaves:
-after a grade alone what was told of them falls by no more than what the grade has changed. Their mean errs by the same
-singularities as the energy; it is told no less than the share `OF_ENERGY` of that, each relative to itself.
+remembered; a grade alone does not count, and hands on what it kept. The first mesh is too coarse for what it tells.
+Gaps depend on errors elsewhere as well, which a grade towards corners leaves: after a grade alone what was told of them
+falls by no more than what the grade has changed. Their mean errs by the same singularities as the energy; it is told no
+less than the share `OF_ENERGY` of that, each relative to itself.
 
 Where walls are hardly strained on two meshes in turn, with less energy than anything is told apart from, energies and
 forces err by no more than they are. Those that err by all that they are are not judged: nothing is as near to nothing
@@ -123,12 +123,12 @@ class Errors:
 
     Attributes
     ----------
-    energy, plate_force, contact_force, mean_gap, largest_gap : float
-        Errors of the numbers of the same names.
-    utilisation : float
-        Error of the largest utilisation, which is told and not judged.
+    energy, plate_force, contact_force, mean_gap, largest_gap, utilisation : float
+        Errors of these numbers; that of the largest utilisation is told and not judged.
     relative : float
         The largest relative error of energy, plate force and mean gap.
+    slid : float
+        Share of itself by which the mean gap changed as walls were followed to rest, on the mesh of the load path.
     """
 
     energy: float = nan
@@ -138,15 +138,14 @@ class Errors:
     largest_gap: float = nan
     relative: float = nan
     utilisation: float = nan
+    slid: float = 0.0
 
     def check(self, accuracy: float) -> Check:
         """Return the check of the certificate: a number that is not known fails it."""
         return Check("estimated_error", self.relative if isfinite(self.relative) else inf, accuracy, _MEANING)
 
 
-#: Nothing was estimated.
 NO_ERRORS = Errors()
-#: Numbers whose errors are reported.
 ERROR_NAMES = ("energy", "plate_force", "contact_force", "mean_gap", "largest_gap")
 _GAPS = ("mean_gap", "largest_gap")
 _REPORTED = ("utilisation", *ERROR_NAMES)

@@ -66,6 +66,9 @@ class StepRecord:
     energy_error, plate_force_error, contact_force_error, mean_gap_error, largest_gap_error : float
         Estimated errors of the columns of these names, in their units; that of the plate force is of the vector. NaN
         where none was estimated.
+    mean_gap_slid : float
+        By how much the mean gap changed as walls were followed to where they rest, while the energy hardly changed
+        [length], >= 0. Other places of rest may be as far from it, beyond its error. 0 where walls did not slide.
     more : mapping of str to float
         Further columns, by name: what terms and observables of the scene report.
     """
@@ -100,6 +103,7 @@ class StepRecord:
     contact_force_error: float = nan
     mean_gap_error: float = nan
     largest_gap_error: float = nan
+    mean_gap_slid: float = 0.0
     more: Mapping[str, float] = field(default_factory=dict)
 
     @property

@@ -105,6 +105,16 @@ def error_remark(summary: Summary) -> str:
     return "" if known is not None and isfinite(known) else "the error of the last step could not be estimated"
 
 
+def slid_remark(summary: Summary) -> str:
+    """Return how far walls have slid to where they rest, where the mean gap changed by more than it errs."""
+    last = summary.get("last_step") or {}
+    gap, error, slid = (last.get(name) or 0.0 for name in ("mean_gap", "mean_gap_error", "mean_gap_slid"))
+    if not slid > error or not gap or summary.get("nothing_strained"):
+        return ""
+    share = f"{100 * slid / abs(gap):.2g} %"
+    return f"the mean gap changed by {share} as walls slid to rest; other places of rest may be as far from it"
+
+
 def how_estimated(summary: Summary) -> str:
     """Return in words where the errors of the last step are from."""
     order = (summary.get("finer_mesh") or {}).get("order") if summary.get("error_not_estimated") else None

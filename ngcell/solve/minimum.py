@@ -46,6 +46,9 @@ class Minimum:
         Lowest eigenvalue of the tangent, closed contacts held closed, as a multiple of the scale of the continuation;
         None where it is not known. Where the tangent is negative but the energy does not fall, as at a kink, that of
         the energy.
+    slid_from : array of float, shape (unknowns,), optional
+        The displacement under a firm proximal term, from which walls were followed to rest [length]; None where they
+        were not.
     """
 
     state: State
@@ -54,6 +57,7 @@ class Minimum:
     proximal: ProximalTerm
     to_fall: float = 0.0
     lowest_curvature: float | None = None
+    slid_from: NDArray[np.float64] | None = None
 
     @property
     def is_found(self) -> bool:

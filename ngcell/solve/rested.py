@@ -90,6 +90,7 @@ def led_to_rest(
     if not minimum.is_found:
         return minimum
     rest = at_rest(minimiser, minimum, scale, options.resting, options, options.of_leading)
+    firm = rest.state.displacement
     while rest.is_found and _pull(minimiser, rest, weight, options) > 1:
         led = minimiser.effort.iterations - before
         if led >= times * way:
@@ -108,7 +109,7 @@ def led_to_rest(
             followed = at_rest(minimiser, followed, scale, options.resting, options, options.of_leading)
         if not followed.is_found:
             return replace(rest, state=minimiser.problem.at(place))  # contact may have adapted
-        rest, weight = followed, weight if is_cut else max(weight / 10, options.last)
+        rest, weight = replace(followed, slid_from=firm), weight if is_cut else max(weight / 10, options.last)
     return rest
 
 

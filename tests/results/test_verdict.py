@@ -16,6 +16,7 @@ from ngcell.results.verdict import (
     headline,
     last_load,
     last_numbers,
+    slid_remark,
     with_error,
 )
 
@@ -80,6 +81,13 @@ def test_numbers_have_errors_where_they_are_known() -> None:
     assert error_remark(run()) == ""
     assert error_remark(run(error_not_estimated="accuracy = inf")) == "errors not estimated: accuracy = inf"
     assert "could not" in error_remark(run(last_step=LAST | {"energy_error": None}))
+
+
+def test_how_far_walls_slid_is_told_where_the_mean_gap_changed_by_more_than_it_errs() -> None:
+    slid = LAST | {"mean_gap_error": 0.001, "mean_gap_slid": 0.005}
+    assert slid_remark(run(last_step=slid)).startswith("the mean gap changed by 5 % as walls slid to rest")
+    assert slid_remark(run(last_step=slid | {"mean_gap_error": 0.01})) == ""
+    assert slid_remark(run(last_step=slid, nothing_strained=True)) == slid_remark(run()) == slid_remark({}) == ""
 
 
 @pytest.mark.parametrize(

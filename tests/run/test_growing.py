@@ -33,7 +33,8 @@ def test_a_run_has_a_row_with_errors_in_percent_and_the_report_shows_it():
 
 
 def test_a_step_without_force_has_no_share_of_it():
-    step = dict.fromkeys(("plate_force_x", "plate_force_y", "plate_force_z", "mean_gap", "mean_gap_error"), "0")
+    forces, gaps = (f"plate_force_{axis}" for axis in "xyz"), ("mean_gap", "mean_gap_error", "mean_gap_slid")
+    step = dict.fromkeys((*forces, *gaps), "0")
     row = growing.numbers_of(step | {"energy": "2", "energy_error": "0.1", "plate_force_error": "1e-9"})
     assert (row["energy_error"], row["plate_force_error"]) == ("5", "")
 

@@ -70,6 +70,7 @@ def test_a_mesh_that_leads_is_followed_as_long_as_the_path_took_and_on_while_the
     assert found.is_found
     assert times * way <= minimiser.effort.iterations < (times + 2) * way
     assert 0 < found.state.displacement[0] < FAR
+    assert found.slid_from is not None and found.slid_from[0] < found.state.displacement[0]
 
 
 def test_walls_are_followed_for_no_more_than_half_of_the_work_of_a_step():
@@ -92,6 +93,7 @@ def test_walls_that_cannot_be_followed_stay_where_they_have_come_to_rest(monkeyp
     rest = at_rest(minimiser, begin, 1.0, OPTIONS.resting, OPTIONS, OPTIONS.of_leading)
     assert found.is_found
     np.testing.assert_array_equal(found.state.displacement, rest.state.displacement)
+    assert found.slid_from is None
 
 
 def test_a_mesh_that_leads_comes_to_rest_with_less_pull_than_is_allowed_where_it_is_reported():

@@ -4,8 +4,9 @@
 
 Each tissue of hexagonal cells is sheared by a tenth or by a fifth of its height, hollow, under a pressure of 0.005 or
 filled, in one level, on one thread; each run is a process of its own. Errors are those that the run estimates, in
-percent. The tail is the share of factorisations that come after the energy is within 3e-4 of that with which walls end
-on the same mesh. A run that takes more minutes than are given is stopped, and its row says so.
+percent; `slid` is the share of itself by which the mean gap changed as walls were followed to rest, in percent. The
+tail is the share of factorisations that come after the energy is within 3e-4 of that with which walls end on the same
+mesh. A run that takes more minutes than are given is stopped, and its row says so.
 Rows go to `tools/results/growing.csv`; those of the present sources are not repeated.
 """
 
@@ -36,7 +37,8 @@ _WORK = (
     "meshes", "iterations", "factorisations", "tail", "refused", "seconds", "factorisation", "assembly", "GiB", "code",
 )  # fmt: skip
 COLUMNS = (
-    "tissue", "accuracy", "outcome", *(f"{number}{end}" for number in _NUMBERS for end in ("", "_error")), *_WORK,
+    "tissue", "accuracy", "outcome", *(f"{number}{end}" for number in _NUMBERS for end in ("", "_error")), "slid",
+    *_WORK,
 )  # fmt: skip
 Row = dict[str, Any]
 
@@ -77,7 +79,8 @@ def numbers_of(step: Mapping[str, str]) -> Row:
     """Return what a step of the history says of each number, with errors in percent."""
     force = float(step["plate_force_x"]) ** 2 + float(step["plate_force_y"]) ** 2 + float(step["plate_force_z"]) ** 2
     values = {"energy": float(step["energy"]), "plate_force": force**0.5, "mean_gap": float(step["mean_gap"])}
-    row: Row = {}
+    gap = abs(values["mean_gap"])
+    row: Row = {"slid": f"{100 * float(step['mean_gap_slid'] or 0) / gap:.2g}" if gap else ""}
     for number, value in values.items():
         error = float(step[f"{number}_error"] or "nan")
         row |= {number: f"{value:.5g}", f"{number}_error": f"{100 * error / abs(value):.2g}" if value else ""}
@@ -86,11 +89,12 @@ def numbers_of(step: Mapping[str, str]) -> Row:
 
 def report(rows: Iterable[Row]) -> str:
     """Return the table."""
-    head = ("tissue", "accuracy", "outcome", *(number.replace("_", " ") for number in _NUMBERS), *_WORK)
+    head = ("tissue", "accuracy", "outcome", *(number.replace("_", " ") for number in _NUMBERS), "slid", *_WORK)
     lines = []
     for row in rows:
         pairs = [f"{row[number]} ± {row[f'{number}_error']} %" if row[number] else "" for number in _NUMBERS]
-        lines.append((row["tissue"], row["accuracy"], row["outcome"], *pairs, *(row.get(name, "") for name in _WORK)))
+        beside = [row.get(name, "") for name in ("slid", *_WORK)]
+        lines.append((row["tissue"], row["accuracy"], row["outcome"], *pairs, *beside))
     words = (__doc__ or "").partition("\n\n")
     said = words[2].partition("\n\n")[2].strip()
     return f"# Growing tissues\n\n{words[0]} {said}\n\n{tables.markdown(head, lines)}\n"
