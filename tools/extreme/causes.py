@@ -8,12 +8,6 @@ _PRESSED = (
     "error of 9 % on the last, where the energy has a kink: no step leads to its last digits."
 )
 
-_BLOWN_UP = (
-    "Cells are pressed against each other by fifty moduli. The last iterations go to and fro at a kink, at a decrement "
-    "of 4e-15, and leave more out of balance than a certificate allows; the contact force is within 6e-4 of the exact."
-)
-
 CAUSES: dict[str, str] = {
     "compression: 0.5 frame, both ways": _PRESSED,
-    "cell pressure: held tissue 50": _BLOWN_UP,
 }

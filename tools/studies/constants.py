@@ -104,6 +104,9 @@ AMONG_MANY: dict[str, tuple[float, ...]] = {
     "solver.minimiser.inner.coarse.first_steps": (1, 6),
     "solver.minimiser.inner.coarse.most_rounds": (10, 100),
     "solver.minimiser.inner.coarse.worthwhile_gain": (0.02, 0.1),
+    "solver.continuation.allowed_to_lead": (3e-4, 3e-3),
+    "solver.continuation.most_led": (5, 20),
+    "solver.continuation.led_at_most": (0.25, 0.75),
 }
 
 
