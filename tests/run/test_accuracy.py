@@ -107,6 +107,15 @@ def test_what_the_energy_may_still_fall_counts_in_its_error(monkeypatch: pytest.
     assert not failures(rushed)
 
 
+def test_how_far_the_mean_gap_changed_as_walls_slid_to_rest_is_told():
+    *_, slid = ngcell.simulate(
+        ngcell.read_case("shear-empty-3x3", ["load.displacement=[0.4, 0.0]", "load.levels=1", "accuracy=0.1"])
+    )
+    assert 0 < slid.record.mean_gap_slid < 0.1 * slid.record.mean_gap
+    *_, of_one_centre = steps("accuracy=inf")
+    assert of_one_centre.record.mean_gap_slid == 0
+
+
 def test_where_walls_have_slid_far_as_they_came_to_rest_a_finer_mesh_tells_the_error(monkeypatch: pytest.MonkeyPatch):
     """Meshes before tell nothing of where walls have come to: the error is told by what the finer one changes."""
     *_, usual = steps("accuracy=0.1")
