@@ -146,6 +146,7 @@ class Errors:
 
 
 NO_ERRORS = Errors()
+#: Numbers whose errors are reported.
 ERROR_NAMES = ("energy", "plate_force", "contact_force", "mean_gap", "largest_gap")
 _GAPS = ("mean_gap", "largest_gap")
 _REPORTED = ("utilisation", *ERROR_NAMES)

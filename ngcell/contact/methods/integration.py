@@ -54,9 +54,9 @@ def rule_of_ends(
     """
     found = points.chosen(ends.point.ravel())
     (along,) = walls.tangents(found.primary, found.primary_xi, nodes)
-    functions, shape = EdgeFunctions(space.degree), (*ends.point.shape, space.row.shape[1])
-    share = (found.weight[:, None] / space.weight[space.row[found.primary]]).reshape(shape)
-    values, slopes = (share * each(found.primary_xi).reshape(shape) for each in (functions.values, functions.slopes))
+    share = found.weight[:, None] / space.weight[space.row[found.primary]]
+    functions = space.values(found.primary_xi), EdgeFunctions(space.degree).slopes(found.primary_xi)
+    values, slopes = ((share * each).reshape(*ends.point.shape, space.row.shape[1]) for each in functions)
     follows, grows = ends.follows[..., None], ends.grows[..., None]
     by_gap, by_slope = grows * values + follows * slopes, follows * values
     return along.reshape(*ends.point.shape, 2), by_gap.transpose(0, 2, 1), by_slope.transpose(0, 2, 1)
