@@ -8,10 +8,10 @@ modulus M of the softer body of the pair: a contact pressure p then overlaps the
 to the thickness of `1 / multiple` such layers. Where that is not enough, as on a filled cell or a thick ring, penalty
 terms that took over from softer ones adapt: at an equilibrium whose overlaps are too deep, or store too large a share
 of the energy, they are made stiffer and it is sought again. Where walls bend so much that they sink in between the
-points of the rule, the rule is made finer instead, once, if the surface has a finer one. Each group of bodies that
-touch is judged by itself: by the thickness of the bodies that meet, and by what the group stores, or by a share of what
-all store where that is more: loose bodies store hardly more than their overlaps. Along a load path whose steps follow
-each other the rule is made finer in good time, and both are remembered from step to step.
+points of the rule, the rule is made finer instead, once: it takes each equal part of a facet, half as wide, as a facet.
+Each group of bodies that touch is judged by itself: by the thickness of the bodies that meet, and by what the group
+stores, or by a share of what all store where that is more: loose bodies store hardly more than their overlaps. Along a
+load path whose steps follow each other the rule is made finer in good time, and both are remembered from step to step.
 """
 
 from __future__ import annotations
@@ -98,10 +98,9 @@ class PenaltyContact:
         self._search = self._usual
 
     @cached_property
-    def _finer(self) -> PairSearch | None:
-        """The search by the finer rule, if there is one; made when penalty terms that adapt first overlap."""
-        points = self.walls.divided(2)
-        return None if points is None else self.searching(points)
+    def _finer(self) -> PairSearch:
+        """The search by the finer rule; made when penalty terms that adapt first overlap."""
+        return self.searching(self.walls.divided(2))
 
     @property
     def stiffness(self) -> Array:
@@ -209,17 +208,14 @@ class PenaltyContact:
         self._factor[group] = np.maximum(self._factor[group], STIFFEN * self._factor[group].min())
         return mine.deepest
 
-    def _overlaps_between(self, positions: Array) -> Overlaps | None:
-        """Return the overlaps at points of the finer rule; None if there is none."""
-        if self._finer is None:
-            return None
+    def _overlaps_between(self, positions: Array) -> Overlaps:
+        """Return the overlaps at points of the finer rule."""
         pairs = self._finer.pairs(self.walls.nodes(positions))
         return overlaps(self.walls, pairs, gap_kinematics(self.walls, pairs, positions).gaps(positions))
 
     def _mixed_search(self) -> PairSearch:
         """Return the search by the finer rule on bodies that have it, and by the usual one on others."""
         finer = self.walls.divided(2)
-        assert finer is not None
         return self.searching(chosen_points(finer, self.walls.quadrature, self._is_refined[self.walls.body]))
 
     def take_multipliers(self, keys: Index, lowered: Array) -> None:

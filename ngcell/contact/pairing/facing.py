@@ -145,7 +145,7 @@ def _within(walls: Surface, distance: Reach) -> _Points:
     away = np.abs(nearest_on_body(walls, walls.rest, walls.centres(walls.rest)[facet], body))
     touches = away <= _TOUCHING * limit
     whole = _rows_on(walls.quadrature, facet[touches], body[touches])
-    finer = walls.divided(_PARTS) or walls.quadrature
+    finer = walls.divided(_PARTS)
     ahead = ~touches & ((away <= limit) | ~np.isin(facet, facet[touches]))  # behind what touches lies no other
     part = _rows_on(finer, facet[ahead], body[ahead])
     gap = nearest_on_body(walls, walls.rest, walls.places(part.facet, part.xi, walls.rest), part.other)

@@ -89,6 +89,22 @@ class FacetBasis:
         found = (factors[0] * factors[1]) @ self._from_monomials
         return np.asarray(found + ((not any(derivative)) - found.sum(-1, keepdims=True)) / found.shape[-1])
 
+    def in_parts(self, points: Array, parts: int) -> tuple[Array, Index]:
+        """Return points of the unit facet as they lie in each of the equal parts into which its sides are divided.
+
+        Points that two parts share are one. Returned are the distinct points, (distinct, 2), and the number among them
+        of each point of each part, (parts**2 * points,), part by part.
+        """
+        corner = np.array(list(np.ndindex(parts, parts)))
+        if self.corner_count == 3:
+            upright = corner[corner.sum(1) < parts]
+            turned = corner[corner.sum(1) < parts - 1] + 1
+            placed = np.concatenate([upright[:, None] + points, turned[:, None] - points])
+        else:
+            placed = corner[:, None] + points
+        first, number = _distinct(placed := placed.reshape(-1, 2) / parts)
+        return placed[first], number
+
     @cached_property
     def rule(self) -> tuple[Array, Array]:
         """Points and weights of the quadrature on the unit facet.
@@ -150,5 +166,11 @@ def _powers_of(x: Array, most: int) -> Array:
 
 def _merged(points: Array, weights: Array) -> tuple[Array, Array]:
     """Return distinct points with the sums of their weights."""
+    first, number = _distinct(points)
+    return points[first], np.bincount(number, weights).astype(float)
+
+
+def _distinct(points: Array) -> tuple[Index, Index]:
+    """Return the first of each of the distinct points, and which of these each point is, (points,)."""
     _, first, number = np.unique(points.round(12), axis=0, return_index=True, return_inverse=True)
-    return points[first], np.bincount(number.ravel(), weights).astype(float)
+    return first, number.ravel()

@@ -76,6 +76,12 @@ def chosen_points(one: SurfacePoints, other: SurfacePoints, of_one: NDArray[np.b
     return SurfacePoints(facet[order], xi[order], weight[order])
 
 
+def used_points(points: SurfacePoints) -> SurfacePoints:
+    """Return the points without those of weight 0, for which the rule of their facet has no use."""
+    used = points.weight != 0
+    return SurfacePoints(points.facet[used], points.xi[used], points.weight[used])
+
+
 @dataclass(frozen=True, eq=False)
 class Surface(ABC):
     """Boundary facets that may touch another body, and the quadrature points on them.
@@ -138,10 +144,10 @@ class Surface(ABC):
         """Return `exterior_angle` at deformed nodes of shape (facets, nodes, dimension)."""
 
     @abstractmethod
-    def divided(self, parts: int) -> SurfacePoints | None:
+    def divided(self, parts: int) -> SurfacePoints:
         """Return the quadrature points of the rule that takes each of equal parts of a facet as a facet.
 
-        None where there is no such rule.
+        Edges and sides of faces have so many parts.
         """
 
     def may_touch(self, one: Index, two: Index) -> NDArray[np.bool_]:
@@ -215,10 +221,8 @@ class Surface(ABC):
 
     @cached_property
     def quadrature(self) -> SurfacePoints:
-        """All quadrature points; those that a facet's rule has no use for, of weight 0, are left out."""
-        points = self.on_each_facet(self.quadrature_points, self.weights)
-        used = points.weight != 0
-        return SurfacePoints(points.facet[used], points.xi[used], points.weight[used])
+        """All quadrature points that the facets' rules use."""
+        return used_points(self.on_each_facet(self.quadrature_points, self.weights))
 
     @cached_property
     def quadrature_values(self) -> Array:
