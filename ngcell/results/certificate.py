@@ -26,7 +26,7 @@ LIMITS = {
     "stabilisation": 1e-3,
     "work_mismatch": 1e-3,
     "energy_above_tied": 1e-3,
-    "lowest_curvature": -1e-3,
+    "lowest_curvature": -1e-5,
     "energy_balance": 1e-3,
 }
 #: Shares of forces that the proximal term may still hold: where an accuracy is asked for, so much of it.

@@ -184,7 +184,7 @@ class StabilityOptions:
     as_low: float = 0.9
     most_modes: int = 3
     unmixed: float = 1e-6
-    negative: float = 1e-3
+    negative: float = 1e-5
     lost: float = 1e-9
     departures: tuple[float, ...] = (0.5, 0.05, 0.005)
     fallen: float = 1e-9
