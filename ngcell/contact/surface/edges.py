@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ngcell.contact.surface.polynomials import Lagrange
 from ngcell.contact.surface.sampling import measured, sampled
-from ngcell.contact.surface.surface import Surface, SurfacePoints
+from ngcell.contact.surface.surface import Surface
 from ngcell.geometry.bodies import BodyMesh
 from ngcell.mechanics.lobatto import lobatto
 
@@ -67,16 +67,6 @@ class EdgeSurface(Surface):
         exterior_angle = np.zeros(len(normal))
         exterior_angle[one] = exterior_angle[two] = angle
         return exterior_angle.reshape(-1, 2)
-
-    def divided(self, parts: int) -> SurfacePoints:
-        """Return the quadrature points of the rule that takes each of so many equal parts of an edge as an edge."""
-        first, share = lobatto(len(self.quadrature_points))
-        xi, weight = np.zeros(1), np.zeros(1)
-        for part in range(parts):  # the point between two parts is one point
-            xi = np.append(xi, (part + first[1:]) / parts)
-            weight[-1] += share[0] / parts
-            weight = np.append(weight, share[1:] / parts)
-        return self.on_each_facet(xi, weight * self.stretch(self.rest, xi))
 
 
 def find_edges(bodies: BodyMesh, scalar_space: ngsolve.H1, rest: Array) -> EdgeSurface:

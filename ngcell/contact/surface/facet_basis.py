@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ngcell.contact.surface.polynomials import Lagrange
+from ngcell.contact.surface.polynomials import Lagrange, distinct
 from ngcell.mechanics.lobatto import lobatto
 
 Array = NDArray[np.float64]
@@ -92,8 +92,7 @@ class FacetBasis:
     def in_parts(self, points: Array, parts: int) -> tuple[Array, Index]:
         """Return points of the unit facet as they lie in each of the equal parts into which its sides are divided.
 
-        Points that two parts share are one. Returned are the distinct points, (distinct, 2), and the number among them
-        of each point of each part, (parts**2 * points,), part by part.
+        Parts of a triangle are as it is, or turned by half a turn. Returned is what `distinct` does, part by part.
         """
         corner = np.array(list(np.ndindex(parts, parts)))
         if self.corner_count == 3:
@@ -102,8 +101,7 @@ class FacetBasis:
             placed = np.concatenate([upright[:, None] + points, turned[:, None] - points])
         else:
             placed = corner[:, None] + points
-        first, number = _distinct(placed := placed.reshape(-1, 2) / parts)
-        return placed[first], number
+        return distinct(placed.reshape(-1, 2) / parts)
 
     @cached_property
     def rule(self) -> tuple[Array, Array]:
@@ -166,11 +164,5 @@ def _powers_of(x: Array, most: int) -> Array:
 
 def _merged(points: Array, weights: Array) -> tuple[Array, Array]:
     """Return distinct points with the sums of their weights."""
-    first, number = _distinct(points)
-    return points[first], np.bincount(number, weights).astype(float)
-
-
-def _distinct(points: Array) -> tuple[Index, Index]:
-    """Return the first of each of the distinct points, and which of these each point is, (points,)."""
-    _, first, number = np.unique(points.round(12), axis=0, return_index=True, return_inverse=True)
-    return first, number.ravel()
+    merged, number = distinct(points)
+    return merged, np.bincount(number, weights).astype(float)

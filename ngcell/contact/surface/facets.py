@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ngcell.contact.surface.facet_basis import FacetBasis
 from ngcell.contact.surface.joints import Joints, find_joints
 from ngcell.contact.surface.sampling import measured, sampled
-from ngcell.contact.surface.surface import Surface, SurfacePoints, used_points
+from ngcell.contact.surface.surface import Surface
 from ngcell.errors import GeometryError
 from ngcell.geometry.bodies import BETWEEN, BodyMesh
 
@@ -80,17 +80,6 @@ class FacetSurface(Surface):
         exterior_angle = np.zeros((self.facet_count, len(middle)))
         exterior_angle[joints.facet, joints.side] = angle[:, None]
         return exterior_angle
-
-    def divided(self, parts: int) -> SurfacePoints:
-        """Return the quadrature points of the rule that takes each of `parts` squared equal parts of a face as a face.
-
-        Parts of a triangle are as it is, or turned by half a turn.
-        """
-        share = self.weights / self.stretch(self.rest, self.quadrature_points)
-        xi, point = self.basis.in_parts(self.quadrature_points, parts)
-        weights = np.zeros((self.facet_count, len(xi)))
-        np.add.at(weights.T, point, np.tile(share.T / parts**2, (parts**2, 1)))
-        return used_points(self.on_each_facet(xi, weights * self.stretch(self.rest, xi)))
 
     @cached_property
     def domains(self) -> Array:

@@ -51,6 +51,10 @@ class Lagrange:
         """Return the factors of ``1, xi, xi^2, ...`` in polynomials with these values at the nodes, along axis 0."""
         return np.asarray(np.tensordot(self._by_powers, values, 1))
 
+    def in_parts(self, points: Array, parts: int) -> tuple[Array, Index]:
+        """Return points of the edge as they lie in each of equal parts of it, one after the other, by `distinct`."""
+        return distinct((np.arange(parts)[:, None] + points).ravel() / parts)
+
     def values(self, xi: Array, derivative: int = 0) -> Array:
         """Return the derivative of the given degree of all polynomials at `xi`; shape (*xi.shape, order + 1).
 
@@ -65,3 +69,9 @@ class Lagrange:
             np.multiply(powers[..., power - 1], place, out=powers[..., power])
         found = powers @ factors
         return np.asarray(found + ((derivative == 0) - found.sum(-1, keepdims=True)) / (self.order + 1))
+
+
+def distinct(points: Array) -> tuple[Array, Index]:
+    """Return the distinct ones of points, shape (n,) or (n, coordinates), and which of these each point is, (n,)."""
+    _, first, number = np.unique(points.round(12), axis=0, return_index=True, return_inverse=True)
+    return points[first], number.ravel()

@@ -46,6 +46,12 @@ class Basis(Protocol):
     def values(self, xi: Array, derivative: Any = ..., /) -> Array:
         """Return a derivative of all polynomials at `xi`, one of `Surface.directions`; by default their values."""
 
+    def in_parts(self, points: Array, parts: int) -> tuple[Array, Index]:
+        """Return points of the reference facet as they lie in each of the equal parts that its sides are divided into.
+
+        Points that two parts share are one: the distinct points, and the number of each point of each part.
+        """
+
 
 @dataclass(frozen=True, eq=False)
 class SurfacePoints:
@@ -65,6 +71,12 @@ class SurfacePoints:
     xi: Array
     weight: Array
 
+    @property
+    def used(self) -> SurfacePoints:
+        """The points without those of weight 0, for which the rule of their facet has no use."""
+        used = self.weight != 0
+        return SurfacePoints(self.facet[used], self.xi[used], self.weight[used])
+
 
 def chosen_points(one: SurfacePoints, other: SurfacePoints, of_one: NDArray[np.bool_]) -> SurfacePoints:
     """Return the points of one rule on facets where `of_one` is true, shape (facets,), and of another elsewhere."""
@@ -74,12 +86,6 @@ def chosen_points(one: SurfacePoints, other: SurfacePoints, of_one: NDArray[np.b
     )
     order = np.argsort(facet, kind="stable")
     return SurfacePoints(facet[order], xi[order], weight[order])
-
-
-def used_points(points: SurfacePoints) -> SurfacePoints:
-    """Return the points without those of weight 0, for which the rule of their facet has no use."""
-    used = points.weight != 0
-    return SurfacePoints(points.facet[used], points.xi[used], points.weight[used])
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,13 +149,6 @@ class Surface(ABC):
     def exterior_angle_at(self, nodes: Array) -> Array:
         """Return `exterior_angle` at deformed nodes of shape (facets, nodes, dimension)."""
 
-    @abstractmethod
-    def divided(self, parts: int) -> SurfacePoints:
-        """Return the quadrature points of the rule that takes each of equal parts of a facet as a facet.
-
-        Edges and sides of faces have so many parts.
-        """
-
     def may_touch(self, one: Index, two: Index) -> NDArray[np.bool_]:
         """Return whether contact acts between facets of each pair, both (pairs,): between those of different bodies."""
         return np.asarray(self.body[one] != self.body[two])
@@ -191,6 +190,18 @@ class Surface(ABC):
         """Return the field with these unknowns, shape (dimension, scalar unknowns), at the nodes of all facets."""
         return np.asarray(np.einsum("eij,dej->eid", self.nodal, unknowns[:, self.dofs]))
 
+    def divided(self, parts: int) -> SurfacePoints:
+        """Return the quadrature points of the rule that takes each of equal parts of a facet as a facet.
+
+        Edges, and sides of faces, have so many parts.
+        """
+        share = self.weights / self.stretch(self.rest, self.quadrature_points)
+        xi, number = self.basis.in_parts(self.quadrature_points, parts)
+        copies = len(number) // len(self.quadrature_points)
+        weights = np.zeros((len(xi), self.facet_count))
+        np.add.at(weights, number, np.tile(share.T / copies, (copies, 1)))
+        return self.on_each_facet(xi, weights.T * self.stretch(self.rest, xi)).used
+
     def trace(self, facet: Index, xi: Array, *derivative: Any) -> Array:
         """Return the factors of the unknowns ``dofs[facet]`` in the field at `xi`, or in a derivative by `directions`.
 
@@ -222,7 +233,7 @@ class Surface(ABC):
     @cached_property
     def quadrature(self) -> SurfacePoints:
         """All quadrature points that the facets' rules use."""
-        return used_points(self.on_each_facet(self.quadrature_points, self.weights))
+        return self.on_each_facet(self.quadrature_points, self.weights).used
 
     @cached_property
     def quadrature_values(self) -> Array:
