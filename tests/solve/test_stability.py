@@ -96,6 +96,17 @@ def test_a_saddle_is_left_and_the_minimum_has_no_negative_curvature():
     assert stable_minimum(minimiser, minimum, lambda below: below, stuck, **lengths).ending is Ending.SADDLE
 
 
+def test_a_block_that_has_just_buckled_is_on_a_saddle_however_low_its_curvature_and_leaves_it():
+    built = simulation(0.0173409)
+    minimiser, minimum = straight(built)
+    lengths = {"scale": built.continuation.scale, "length": built.longest_step}
+    curvature = lowest_mode(minimiser, minimum, USUAL, scale=lengths["scale"]).curvature / lengths["scale"]
+    assert -2e-4 < curvature < -5e-5
+    stable = stable_minimum(minimiser, minimum, lambda below: below, USUAL, **lengths)
+    assert stable.is_found and stable.lowest_curvature > 0
+    assert stable.state.energy < minimum.state.energy * (1 - 5e-7)
+
+
 def test_what_lies_below_a_saddle_is_looked_for_again_where_it_was_folded_between_the_points_of_a_rule():
     built = simulation(0.1)
     minimiser, minimum = straight(built)
