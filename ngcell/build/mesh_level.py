@@ -93,8 +93,8 @@ class Level(Generic[Scene]):
         by it, it begins as stiff as it has become on the mesh before.
 
         If it `only_leads` to what is reported, released walls are in the contact of the stage before the last, and no
-        last digits are looked for: multipliers take over from wherever the energy hardly falls. Few are where the step
-        `is_finished_later`, if it is reported, and all where nothing but the error of another is told by it.
+        last digits are looked for: multipliers take over from wherever the energy hardly falls. Few are where a released
+        step `is_finished_later`, if it is reported, and all where nothing but the error of another is told by it.
         """
         mine, accepted = self.simulation, coarse.accepted
         load, is_tied = accepted.load_factor, accepted.phase == "tied"
@@ -102,7 +102,7 @@ class Level(Generic[Scene]):
         start = mine.motion.imposed(transferred(whole, coarse.simulation.space, mine.space), load)
         path = self._released.path if accepted.minimum.proximal.weight else None
         share = mine.options.solver.handed_on if only_leads else None
-        if path is not None and is_finished_later:
+        if path is not None and is_finished_later and not is_tied:
             share = inf if only_leads else path.options.of_leading
         for attempt in self._tied_at(start) if is_tied else self._attempts(only_leads):
             softer, last = attempt.softer, attempt.minimisers
