@@ -93,8 +93,9 @@ class Level(Generic[Scene]):
         by it, it begins as stiff as it has become on the mesh before.
 
         If it `only_leads` to what is reported, released walls are in the contact of the stage before the last, and no
-        last digits are looked for: multipliers take over from wherever the energy hardly falls. Few are where a released
-        step `is_finished_later`, if it is reported, and all where nothing but the error of another is told by it.
+        last digits are looked for: multipliers take over from wherever the energy hardly falls. Few are where a
+        released step `is_finished_later`, if it is reported, and all where nothing but the error of another is told by
+        it.
         """
         mine, accepted = self.simulation, coarse.accepted
         load, is_tied = accepted.load_factor, accepted.phase == "tied"
