@@ -42,11 +42,12 @@ def test_a_slender_block_buckles_alone_as_beside_another() -> None:
     assert _column(1).energy == pytest.approx(alone, rel=1e-8)
 
 
-def test_load_stepping_leaves_saddles_and_tells_what_is_lost() -> None:
+def test_load_stepping_follows_a_block_that_buckles_and_nothing_is_lost() -> None:
+    """An elastic column leaves the straight branch steadily; what is lost, a jump from a saddle farther on has lost."""
     stepped = _column(0, LoadStepping())
     assert stepped.certified
     assert stepped.energy == pytest.approx(_column(0).energy, rel=1e-6)
-    assert stepped.dissipation > 0
+    assert 0 <= stepped.dissipation < 1e-4 * stepped.energy
 
 
 def test_one_jump_through_a_beam_is_followed() -> None:
