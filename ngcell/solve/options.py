@@ -165,7 +165,8 @@ class StabilityOptions:
         Share of the lowest curvature down to which a saddle is left along other modes too, how many of them at most,
         and the accuracy of their values as a share.
     negative : float
-        Multiple of the scale down to which a negative curvature is none.
+        Multiple of the scale down to which a negative curvature is none: a thousandth of `near`, beside which the
+        residual of a Ritz pair leaves its value off by `settled` squared, 1e-8 of the scale.
     lost : float
         Share of the largest Ritz value below which a negative one is round-off.
     departures : tuple of float

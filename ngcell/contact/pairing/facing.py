@@ -145,8 +145,8 @@ def _within(walls: Surface, distance: Reach) -> _Points:
     away = np.abs(nearest_on_body(walls, walls.rest, walls.centres(walls.rest)[facet], body))
     touches = away <= _TOUCHING * limit
     whole = _rows_on(walls.quadrature, facet[touches], body[touches])
-    finer = walls.divided(_PARTS)
     ahead = ~touches & ((away <= limit) | ~np.isin(facet, facet[touches]))  # behind what touches lies no other
+    finer = walls.divided(_PARTS) if ahead.any() else walls.quadrature
     part = _rows_on(finer, facet[ahead], body[ahead])
     gap = nearest_on_body(walls, walls.rest, walls.places(part.facet, part.xi, walls.rest), part.other)
     of_points = np.minimum(of_body[walls.body[part.facet]], of_body[part.other])
