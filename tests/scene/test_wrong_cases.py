@@ -87,6 +87,12 @@ WRONG: dict[str, tuple[tuple[str, str], int, str, str]] = {
         'lumen.kind = "fluid"',
         "flows out of hollow prisms; allowed: closed ones, with a tissue.end_wall",
     ),
+    "a pressure in prisms whose ends are free": (
+        ("wall = 0.1", 'wall = 0.1\nheight = 1.0\n\n[lumen]\nkind = "pressure"\npressure = 0.1'),
+        20,
+        "load.ends",
+        'leaves rims free beside a lumen.pressure; allowed: "held", or a tissue.end_wall',
+    ),
     "layers without a height": (
         ("wall = 0.1", "wall = 0.1\nlayers = 2"),
         8,

@@ -44,6 +44,13 @@ class CellPressure(Section):
         """What is there in full before the load, in words; None where it grows with the load."""
         return "a lumen.pressure that comes first" if self.ramp == "first" else None
 
+    @property
+    def needs_held_ends(self) -> bool:
+        """Whether the rims of open prisms must be held along their axis: where they move freely, the pressure on the
+        wall beside them has no potential."""
+        rows = self.pressure if isinstance(self.pressure, tuple) else ((self.pressure,),)
+        return any(value > 0 for row in rows for value in row)
+
     def check_scope(self, scene: dict[str, Any]) -> None:
         """Refuse hollow layers, and another number of pressures than there are cells."""
         tissue = scene.get("tissue")
