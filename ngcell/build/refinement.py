@@ -154,7 +154,7 @@ class Refinement(Generic[Scene]):
             found.append(here)
             refined.append(self._refining(last, finer))
             if not self._stages[finer.level].is_reported:
-                errors = estimate(found, refined, of_last=False)
+                errors = estimate(found, [how.unmeasured for how in refined], of_last=False)
                 accepted = replace(reported.accepted, effort=finer.accepted.effort)
                 return replace(reported, accepted=accepted, errors=errors)
             last, before = finer, errors.relative

@@ -49,6 +49,12 @@ class Refining:
         return self if self.remains_of_gaps is None else replace(self, remains=self.remains_of_gaps)
 
     @property
+    def unmeasured(self) -> Refining:
+        """The same with no less left than by the strongest singularity: a single refinement measures no share."""
+        of_gaps = max(self.of_gaps.remains, self.elsewhere)
+        return replace(self, remains=max(self.remains, self.elsewhere), remains_of_gaps=of_gaps)
+
+    @property
     def is_graded_alone(self) -> bool:
         """Whether it is graded, and does nothing elsewhere."""
         return self.is_graded and self.elsewhere == 1

@@ -34,6 +34,13 @@ def test_a_geometric_sequence_is_told_exactly(share: float):
     assert estimate(found, by_order(0.01), of_last=False).energy == pytest.approx(share, rel=1e-12)
 
 
+def test_one_refinement_leaves_no_less_than_the_strongest_singularity():
+    at_corner = Refining(0.4, elsewhere=0.6, remains_of_gaps=0.3).unmeasured
+    assert (at_corner.remains, at_corner.of_gaps.remains) == (0.6, 0.6)
+    found = [numbers(1.4), numbers(1.0)]
+    assert estimate(found, [at_corner], of_last=False).energy == pytest.approx(1.0, rel=1e-12)
+
+
 def test_a_singularity_lets_remain_what_no_measured_share_may_belittle():
     # The coarsest mesh is far off for another reason: the second refinement changes a hundredth of the first.
     found = [numbers(11.0), numbers(1.0 + 0.1), numbers(1.0)]

@@ -12,7 +12,7 @@ corner to 1, a function of the distance from it along the outline, the pass of a
 and G takes the place of the gap g. The factors of both passes add up to 2, wherever walls lie on each other. The
 primary point keeps its place on its wall; the closest point slides by ``(a . t) / (|t|^2 (1 - k g))`` of its edge as
 bodies move (see `ngcell.contact.gap.edge_gap`), and the derivatives of G have that of f. In the second ones the
-curvature of the secondary wall is frozen. Overlaps are told by G: those of corners themselves up to sqrt(2) too deep.
+curvature of the secondary wall is frozen. How deep walls overlap is told by g.
 """
 
 from __future__ import annotations
@@ -54,6 +54,11 @@ class FadedGap:
     bend: Array
     gap: EdgeGap = EdgeGap()
     at_once: int = sys.maxsize
+
+    @property
+    def whole(self) -> EdgeGap:
+        """The distance that fades."""
+        return self.gap
 
     def flat(self, count: int) -> Array:
         """Return no curvature corrections, shape (count,)."""

@@ -39,6 +39,11 @@ class EdgeGap:
 
     at_once: int = sys.maxsize
 
+    @property
+    def whole(self) -> EdgeGap:
+        """The distance itself."""
+        return self
+
     def flat(self, count: int) -> Array:
         """Return no curvature corrections, shape (count,)."""
         return np.zeros(count)

@@ -39,6 +39,11 @@ class FacetGap:
 
     at_once: int = 1000
 
+    @property
+    def whole(self) -> FacetGap:
+        """The distance itself."""
+        return self
+
     def flat(self, count: int) -> Array:
         """Return no curvature corrections, shape (count, 2, 2)."""
         return np.zeros((count, 2, 2))

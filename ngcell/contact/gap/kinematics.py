@@ -30,6 +30,10 @@ class Gap(Protocol):
     def at_once(self) -> int:
         """Number of contact pairs whose parts of a tangent are held in memory at once."""
 
+    @property
+    def whole(self) -> Gap:
+        """The distance itself, of which gaps that fade are a multiple."""
+
     def flat(self, count: int) -> Array:
         """Return the curvature corrections of so many contact pairs on walls that count as flat: zeros."""
 
@@ -85,6 +89,10 @@ class GapKinematics:
     def gaps(self, positions: Array) -> Array:
         """Return the gaps [length], shape (n,)."""
         return self.gap.gaps(self.pairs, self.side, self.correction, *self.vectors(positions))
+
+    def distances(self, positions: Array) -> Array:
+        """Return the signed distances of walls [length], shape (n,): gaps without the factor by which they fade."""
+        return self.gap.whole.gaps(self.pairs, self.side, self.correction, *self.vectors(positions))
 
     def slopes(self, positions: Array) -> tuple[Array, Array]:
         """Return the gaps and their derivatives by the components of the vectors, ``a`` first."""

@@ -171,12 +171,13 @@ class ContactTerm(Term):
 
     def overlap(self, at: Configuration) -> float:
         """Return the deepest overlap at the points of the method [length], >= 0."""
-        return max(0.0, -float(self.found(at).kinematics.gaps(at.positions).min(initial=0.0)))
+        return max(0.0, -float(self.found(at).kinematics.distances(at.positions).min(initial=0.0)))
 
     def overlap_over(self, at: Configuration, thickness: Array) -> float:
         """Return the deepest overlap over the thickness of the thinner of the two bodies."""
         kinematics = self.found(at).kinematics
-        return overlaps(self.method.walls, kinematics.pairs, kinematics.gaps(at.positions)).largest_share
+        seen = overlaps(self.method.walls, kinematics.pairs, kinematics.distances(at.positions))
+        return float((seen.depth / thickness[seen.bodies].min(1)).max(initial=0.0))
 
     def overlap_work(self, at: Configuration) -> float:
         """Return contact forces times gaps, without their sign."""
