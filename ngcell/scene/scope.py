@@ -40,6 +40,11 @@ def is_planar(scene: dict[str, Any]) -> bool:
     return "tissue" in scene and getattr(scene["tissue"], "height", None) is None
 
 
+def are_open_prisms(scene: dict[str, Any]) -> bool:
+    """Return whether a case has a tissue of prisms whose lumens are open at their ends."""
+    return "tissue" in scene and not is_planar(scene) and getattr(scene["tissue"], "end_wall", None) is None
+
+
 def only_for_prisms(part: Any, scene: dict[str, Any], *names: str) -> None:
     """Refuse keys that only prisms have a use for, in a case of planar cells."""
     for name in names:

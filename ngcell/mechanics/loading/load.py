@@ -19,7 +19,7 @@ from ngcell.mechanics.applied.traction import Traction
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion, Support
 from ngcell.scene.levels import Levels, level_factors
-from ngcell.scene.scope import is_planar, only_for_prisms, refuse
+from ngcell.scene.scope import are_open_prisms, only_for_prisms, refuse
 from ngcell.scene.section import Section
 
 Array = NDArray[np.float64]
@@ -95,8 +95,7 @@ class EndsOfPrisms(Section):
         only_for_prisms(self, scene, "ends", "end_pressure")
         if self.ends == "mirrored" and getattr(scene.get("tissue"), "end_wall", None) is not None:
             refuse("has a tissue.end_wall between both halves; allowed: without one", "ends")
-        is_open = "tissue" in scene and not is_planar(scene) and getattr(scene["tissue"], "end_wall", None) is None
-        if is_open and self.ends != "held" and getattr(scene.get("lumen"), "needs_held_ends", False):
+        if are_open_prisms(scene) and self.ends != "held" and getattr(scene.get("lumen"), "needs_held_ends", False):
             refuse('leaves rims free beside a lumen.pressure; allowed: "held", or a tissue.end_wall', "ends")
         before_load = getattr(scene.get("lumen"), "before_load", None)
         if self.end_pressure is not None and before_load is not None:

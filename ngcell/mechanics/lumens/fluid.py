@@ -12,7 +12,7 @@ from ngcell.mechanics.lumens.lumen import CLOSED
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.mechanics.term import Term
-from ngcell.scene.scope import is_planar, refuse
+from ngcell.scene.scope import are_open_prisms, refuse
 from ngcell.scene.section import PositiveNumber, Section
 
 
@@ -43,7 +43,7 @@ class Fluid(Section):
 
     def check_scope(self, scene: dict[str, Any]) -> None:
         """Refuse prisms that are open at their ends."""
-        if "tissue" in scene and not is_planar(scene) and scene["tissue"].end_wall is None:
+        if are_open_prisms(scene):
             refuse(f"flows out of hollow prisms; {CLOSED}", "kind")
 
     @property

@@ -16,7 +16,7 @@ from ngcell.mechanics.lumens.lumen import CLOSED
 from ngcell.mechanics.space import DisplacementSpace
 from ngcell.mechanics.supports import PrescribedMotion
 from ngcell.mechanics.term import Term
-from ngcell.scene.scope import is_planar, refuse
+from ngcell.scene.scope import are_open_prisms, refuse
 from ngcell.scene.section import NonNegativeNumber, Section
 
 Array = NDArray[np.float64]
@@ -56,7 +56,7 @@ class CellPressure(Section):
         tissue = scene.get("tissue")
         if tissue is None:
             return
-        if not is_planar(scene) and tissue.end_wall is None and tissue.layers > 1:
+        if are_open_prisms(scene) and tissue.layers > 1:
             refuse(f"escapes between layers of hollow prisms; {CLOSED}", "kind")
         rows, cols = tissue.grid
         if isinstance(self.pressure, tuple) and [len(row) for row in self.pressure] != [cols] * rows:
