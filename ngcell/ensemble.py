@@ -27,7 +27,7 @@ from ngcell.export import (
 from ngcell.export.summary import CASE_TEXT, MEMBERS, failed_checks
 from ngcell.recording import RecordingOptions
 from ngcell.results.record import StepRecord
-from ngcell.results.spread import Member, Spread, at_levels, spreads
+from ngcell.results.spread import REFUSED, Member, Spread, at_levels, spreads
 from ngcell.run import record, resume
 from ngcell.scene import AnyCase, Case, read_case, resolved_toml
 from ngcell.scene.members import MemberChoice, check_has_members, geometry_share, member_of
@@ -139,7 +139,7 @@ class Ensemble:
                 folder.count(1)
                 yield number, step
         except CaseError as error:
-            return _refused(number, seed, error, len(factors))
+            return _refused(number, seed, error, len(factors), "stopped" if is_rest or accepted else REFUSED)
         except NotConverged as error:
             if error.outcome == Outcome.OUT_OF_TIME.name:
                 raise _out_of_time(number) from error
@@ -290,9 +290,9 @@ def _member(
     return Member(number, seed, outcome, certified, at_levels(history, factors))
 
 
-def _refused(number: int, seed: int, error: CaseError, levels: int) -> Member:
+def _refused(number: int, seed: int, error: CaseError, levels: int, word: str = REFUSED) -> Member:
     """Return a member whose geometry cannot be built."""
-    return Member(number, seed, f"refused: {error}", False, (None,) * levels)
+    return Member(number, seed, f"{word}: {error}", False, (None,) * levels)
 
 
 def _out_of_time(ended: int) -> NotConverged:

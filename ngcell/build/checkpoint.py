@@ -22,7 +22,7 @@ from ngcell.solve.strategies.strategy import Progress
 Array = NDArray[np.float64]
 
 _DISPLACEMENT, _WORK, _MEMORY, _COUNT, _ONSETS = "displacement_", "work_", "memory_", "count", "onsets"
-_REPORTED, _LEVEL, _ENDS = "reported_", "level_", "ends"
+_REPORTED, _LEVEL, _ENDS, _REACHED = "reported_", "level_", "ends", "reached"
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +48,8 @@ class Checkpoint:
         Number of that mesh.
     ends : CellEnds, optional
         How cells have ended so far, where it is known what walls bear and steps were accepted.
+    reached : int
+        Number of levels of the load that have been reached.
     """
 
     count: int = 0
@@ -58,6 +60,7 @@ class Checkpoint:
     reported: Mapping[str, Array] = field(default_factory=dict)
     levels: Mapping[str, int] = field(default_factory=dict)
     ends: CellEnds | None = None
+    reached: int = 0
 
     @property
     def progress(self) -> Progress:
@@ -85,6 +88,7 @@ class Checkpoint:
         """Return it as named arrays."""
         return {
             _COUNT: np.array(self.count),
+            _REACHED: np.array(self.reached),
             **{f"{_DISPLACEMENT}{phase}": values for phase, values in self.displacement.items()},
             **{f"{_WORK}{phase}": _row(point) for phase, point in self.work.items()},
             **{f"{_MEMORY}{name}": values for name, values in self.memory.items()},
@@ -117,7 +121,8 @@ class Checkpoint:
         onsets = PairOnsets.from_array(arrays[_ONSETS]) if _ONSETS in arrays else None
         levels = {phase: int(level) for phase, level in part(_LEVEL).items()}
         ends = CellEnds.from_array(arrays[_ENDS]) if _ENDS in arrays else None
-        return cls(int(arrays[_COUNT]), displacement, work, part(_MEMORY), onsets, part(_REPORTED), levels, ends)
+        count, reached = int(arrays[_COUNT]), int(arrays[_REACHED])
+        return cls(count, displacement, work, part(_MEMORY), onsets, part(_REPORTED), levels, ends, reached)
 
 
 def _row(point: WorkPoint) -> Array:

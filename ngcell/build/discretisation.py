@@ -125,18 +125,21 @@ def user_defined(case: BodyCase) -> BodyScene:
         untouched = tuple(name for name in body.boundaries if name not in body.wall_boundaries)
         walls = () if body.walls is None else body.wall_boundaries
         bodies.append(Body(body.face, body.material, body.name, untouched, walls))
-    return BodyScene(
+    scene = BodyScene(
         tuple(bodies),
         tuple(support.resolved for support in case.supports),
         size=case.mesh.size,
-        order=case.mesh.order,
         levels=case.levels,
         steps=case.steps,
         contact=case.contact,
         loads=case.loads,
         refinements=case.mesh.refine,
         cohesion=case.cohesion,
+        accuracy=case.accuracy,
+        estimate_error=case.estimate_error,
     )
+    object.__setattr__(scene, "order", case.mesh.order)  # an estimate may take one order more than a case may give
+    return scene
 
 
 def _bodies(scene: BodyScene) -> Discretisation:

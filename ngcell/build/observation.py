@@ -142,12 +142,19 @@ class Observer:
         record = self._record(checkpoint.count, accepted, measured, components, seconds)
         record = _with_errors(replace(record, more={**record.more, **columns, **bears}), errors)
         step = Step(record, [], [], measured, view.state.at.displacement, None, [], after, accepted.effort, self._mesh)
-        is_level = any(np.isclose(accepted.load_factor, level) for level in self._levels)
-        if accepted.phase == "tied" or not is_level:
+        level = None if accepted.phase == "tied" else self._level(accepted.load_factor, checkpoint.reached)
+        if level is None:
             return step
-        return self._with_fields(step, view, components, fields)
+        step = replace(step, checkpoint=replace(after, reached=level + 1))
+        return self._with_fields(step, level, view, components, fields)
 
-    def _with_fields(self, step: Step, view: View, components: CellComponents, fields: Any) -> Step:
+    def _level(self, load: float, reached: int) -> int | None:
+        """Return the number of the level at a load factor, the next one of those that have not been reached; None where
+        it is none of them."""
+        ahead = range(reached, len(self._levels))
+        return next((number for number in ahead if np.isclose(load, self._levels[number])), None)
+
+    def _with_fields(self, step: Step, level: int, view: View, components: CellComponents, fields: Any) -> Step:
         """Return a step at a level, with fields, rows of walls and cells, and expected numbers."""
         record, measured, facing = step.record, step.measurement, self._setup.facing
         at = view.state.at
@@ -175,7 +182,7 @@ class Observer:
             walls=wall_records(facing, measured, record.step, onsets.onset, pressed),
             cells=cells,
             snapshot=snapshot,
-            findings=list(compare(self._expected, record, view, self._levels[-1])),
+            findings=list(compare(self._expected, record, view, self._levels[level:])),
             checkpoint=replace(step.checkpoint, onsets=onsets),
         )
 
@@ -236,7 +243,7 @@ class Observer:
             plate_displacement=accepted.load_factor * float(np.linalg.norm(self._setup.prescribed_displacement)),
             largest_gap=largest,
             mean_gap=mean,
-            smallest_gap=float(gap.min(initial=0.0)),
+            smallest_gap=float(gap.min()) if gap.size else 0.0,
             parted_pairs=int(parted_pairs(facing, gap).sum()),
             opened_share=opened_share(facing, gap),
             components=len(components.sizes),

@@ -181,9 +181,9 @@ class Simulation(Problems):
         return within_budget(self.strategy.follow(task, progress), self._budget, progress.load_factor)
 
     def _memory(self, accepted: Accepted) -> dict[str, NDArray[np.generic]]:
-        """Return what terms remember, and where energy went, if there is a history."""
+        """Return what terms remember, where a load path stands, and where its energy went."""
         memory, account = self.problem.memory(), accepted.account
-        if account is None or not self.problem.has_history:
+        if account is None:
             return memory
         names = ("dissipation", "increment", "targets")
         return memory | {name: np.array(getattr(account, name)) for name in names}

@@ -195,8 +195,9 @@ def _with(case: AnyCase | BodyScene, **changed: Any) -> AnyCase | BodyScene:
 
 
 def _at_last_level(case: AnyCase | BodyScene) -> AnyCase | BodyScene:
-    """Return a tissue with its last level alone; user-defined bodies follow all of theirs."""
-    if not isinstance(case, Case):
+    """Return a tissue with its last level alone; user-defined bodies follow all of theirs, and so does a load of a
+    script, which need not know how to leave levels out."""
+    if not isinstance(case, Case) or not isinstance(case.load, Section):
         return case
     load = case.load.model_copy(update={"levels": (case.level_factors[-1],)})
     return case.model_copy(update={"load": load})

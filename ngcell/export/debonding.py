@@ -176,7 +176,8 @@ def _draw_plan(
     dots = np.where(layer[first] < layer[second], first, second)[~level]
     axes.scatter(place[dots, 0], place[dots, 1], s=size.at_most(9.5, 0.3) ** 2, color=colour[~level])
     drawn = np.concatenate([lines.reshape(-1, 2), place[dots]])
-    axes.set(xlim=_limits(drawn[:, 0]), ylim=_limits(drawn[:, 1]), aspect="equal")
+    around = 0.1 * sqrt(float(np.ptp(cells.points[:, :2], axis=0).prod()) / len(place))  # a tenth of a cell, about
+    axes.set(xlim=_limits(drawn[:, 0], around), ylim=_limits(drawn[:, 1], around), aspect="equal")
     axes.set_axis_off()
     others = "" if opened.all() else " (the others are dotted)"
     axes.set_title(f"{int(opened.sum())} of {len(pairs)} wall pairs have opened{others}", fontsize=10.5, color=INK)
@@ -186,6 +187,6 @@ def _draw_plan(
         bar.outline.set(edgecolor=SOFT_INK, linewidth=0.8)
 
 
-def _limits(values: NDArray[np.float64]) -> tuple[float, float]:
-    margin = 0.05 * float(np.ptp(values)) + 0.1
+def _limits(values: NDArray[np.float64], around: float) -> tuple[float, float]:
+    margin = 0.05 * float(np.ptp(values)) + around
     return float(values.min()) - margin, float(values.max()) + margin

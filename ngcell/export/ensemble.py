@@ -108,9 +108,13 @@ class EnsembleFolder:
             self._note("running")
 
     def keep(self, members: Sequence[Member], spreads: Sequence[Spread], factors: Sequence[float]) -> None:
-        """Write the tables of the members so far; none before a step is accepted where an earlier result is."""
+        """Write the tables of the members so far; none before a step is accepted where an earlier result is. Then
+        members that were refused have no earlier result either."""
         if not self._is_open:
             return
+        for member in members:
+            if member.is_refused:
+                _remove(self.member(member.number))
         replace_file(self.path / "members.csv", _csv(_member_rows(members, factors)))
         replace_file(self.path / "spread.csv", _csv(_spread_rows(spreads)))
 
@@ -120,10 +124,10 @@ class EnsembleFolder:
             return
         if self._pictures and spreads:
             draw_spread(members, spreads, self.path / "spread.png")
-        number = len(members)
-        while (self.member(number) / SUMMARY).exists():
-            _remove(self.member(number))
-            number += 1
+        kept = {self.member(member.number) for member in members}
+        for folder in sorted(self.path.glob("member_*")):
+            if folder not in kept:
+                _remove(folder)
         head = {"program": PROGRAM, "status": "finished", "accepted_steps": self._accepted, MEMBERS: self._told}
         write_summary(self.path, {**head, **summary})
         self._finished = True
@@ -139,7 +143,9 @@ def member_folder(path: Path, number: int) -> Path:
 
 
 def _remove(folder: Path) -> None:
-    """Remove the result of a member, and its folder if nothing else is in it."""
+    """Remove the result of a member, if there is one, and its folder if nothing else is in it."""
+    if not (folder / SUMMARY).is_file():
+        return
     clear_folder(folder)
     with output_errors(folder):
         (folder / SUMMARY).unlink()

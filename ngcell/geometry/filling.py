@@ -1,8 +1,8 @@
 """The lumens of cells as quadrilaterals that share the nodes of their walls.
 
-A hexagon is three quadrangles that meet in its centre; each takes the wall's nodes along two of its sides. In a regular
-one they are rhombi. Any other lumen is triangulated by Netgen between every second node of its wall, and each triangle
-is three quadrilaterals around its centre, with the nodes between as middles of its sides.
+A hexagon is three quadrangles that meet in its centre, where these are convex; each takes the wall's nodes along two of
+its sides. In a regular one they are rhombi. Any other lumen is triangulated by Netgen between every second node of its
+wall, and each triangle is three quadrilaterals around its centre, with the nodes between as middles of its sides.
 """
 
 from __future__ import annotations
@@ -24,6 +24,27 @@ _TIPS = (1, 3, 5)
 _UNDIVIDED, _GROWTH = 1.01, 0.3
 #: Distance as a share of the longest edge below which two nodes are one.
 _SAME = 1e-7
+#: Smallest sine of an angle of a quadrangle: flatter or sharper ones, and those that are not convex, are not meshed.
+_SMALLEST_SINE = 0.1
+
+
+def are_three_quadrangles(corners: Array) -> NDArray[np.bool_]:
+    """Return which hexagons three convex quadrangles fill, shape (cells,); corners, counter-clockwise, (cells, 6, 2).
+    """
+    tips = np.array(_TIPS)
+    centre = np.broadcast_to(corners.mean(1)[:, None], (len(corners), len(tips), 2))
+    around = [corners[:, tips], corners[:, (tips + 1) % WALLS], centre, corners[:, tips - 1]]
+    return np.asarray((smallest_sines(np.stack(around, axis=2)) > _SMALLEST_SINE).all(1))
+
+
+def smallest_sines(quads: Array) -> Array:
+    """Return the smallest sine of the angles of each quadrilateral, shape (...,); corners counter-clockwise, (..., 4,
+    2). It is negative where one is not convex, or folded."""
+    ahead = np.roll(quads, -1, axis=-2) - quads
+    behind = np.roll(ahead, 1, axis=-2)
+    area = behind[..., 0] * ahead[..., 1] - behind[..., 1] * ahead[..., 0]
+    length = np.linalg.norm(ahead, axis=-1) * np.linalg.norm(behind, axis=-1)
+    return np.asarray((area / np.maximum(length, np.finfo(float).tiny)).min(-1))
 
 
 def lumen_quads(outlines: Array) -> tuple[Array, Index]:
@@ -131,7 +152,9 @@ def any_lumen_quads(outline: Array) -> tuple[Array, Index]:
     centre = first + len(inner) + np.arange(len(triangles))
     middle, corner = known[number.ravel()].reshape(-1, 3), node[triangles]
     quads = [np.column_stack([corner[:, k], middle[:, k], centre, middle[:, k - 1]]) for k in range(3)]
-    points = [places[count:], places[sides[inner]].mean(1), places[triangles].mean(1)]
+    points = [places[count:], places[sides[inner]].mean(1)]
+    # Of three middles, not of corners: those on the wall lie off the chord where the wall is round.
+    points.append(np.concatenate([outline, *points])[middle].mean(1))
     return np.concatenate(points), np.concatenate(quads)
 
 

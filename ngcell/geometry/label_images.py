@@ -61,6 +61,41 @@ def read_labels(file: Path) -> Index:
     return labels.astype(np.int64)
 
 
+def check_walls_touch(labels: Index, narrowest: float) -> None:
+    """Check that cells touch, and are not separated by lines of background as a watershed leaves them.
+
+    Parameters
+    ----------
+    labels : array of int, shape (rows, columns)
+        The image.
+    narrowest : float
+        Width of the narrowest pore between cells, in pixels; lines of one pixel are too narrow in any case.
+
+    Raises
+    ------
+    GeometryError
+        If two cells are separated by narrower background along more pixels than they touch along.
+    """
+    touching: list[Index] = []
+    apart: list[Index] = []
+    for image in (labels, labels.T):
+        for width in range(max(1, min(int(narrowest), image.shape[1] - 2)) + 1):
+            one, two = image[:, : image.shape[1] - width - 1], image[:, width + 1 :]
+            met = (one != two) & (one > 0) & (two > 0)
+            for between in range(1, width + 1):
+                met &= image[:, between : image.shape[1] - width - 1 + between] == 0
+            (apart if width else touching).append(np.sort(np.column_stack([one[met], two[met]])))
+    pairs, which = np.unique(np.concatenate([*touching, *apart]), axis=0, return_inverse=True)
+    more = np.repeat([-1, 1], [sum(map(len, touching)), sum(map(len, apart))])
+    along = np.bincount(which.ravel(), more, len(pairs))
+    if (along > 0).any():
+        first, second = pairs[int(along.argmax())]
+        raise GeometryError(
+            f"labels {first} and {second} are separated by a line of background; allowed: labels that touch, or pores "
+            f"wider than {max(1, int(narrowest))} pixels, half of a wall"
+        )
+
+
 def traced_cells(labels: Index, tolerance: float) -> tuple[list[Array], Index]:
     """Return the outline of each cell, (corners, 2), x to the right and y upwards in pixels, and the cells' labels.
 

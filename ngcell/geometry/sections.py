@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ngcell.errors import GeometryError
 from ngcell.geometry.bodies import FILLING, LUMEN, BodyMesh
-from ngcell.geometry.filling import any_lumen_quads, lumen_quads
+from ngcell.geometry.filling import any_lumen_quads, are_three_quadrangles, lumen_quads, smallest_sines
 from ngcell.geometry.lattice import WALLS
 from ngcell.geometry.outlines import Outlines
 from ngcell.geometry.rings import Rings, sweep
@@ -198,19 +198,46 @@ def int32(numbers: NDArray[Any]) -> NDArray[np.int32]:
 
 def _fillings(rings: Rings) -> tuple[list[Array], list[Index]]:
     """Return the nodes inside each lumen, and the quadrilaterals that fill it; see `ngcell.geometry.filling`."""
-    is_corner = np.bincount(rings.cell, np.diff(rings.side, prepend=-1) > 0, len(rings.counts))
+    outlines = np.split(rings.nodes[-1], np.cumsum(rings.counts)[:-1])
+    points: list[Array] = [np.zeros((0, 2))] * len(outlines)
+    quads: list[Index] = [np.zeros((0, 4), dtype=np.int64)] * len(outlines)
+    are_hexagons = _are_three_quadrangles(rings)
+    alike = np.flatnonzero(are_hexagons)
+    if len(alike):
+        inside, shared = lumen_quads(np.array([outlines[cell] for cell in alike]))
+        for cell, places in zip(alike.tolist(), inside, strict=True):
+            points[cell], quads[cell] = places, shared
     on_side = np.bincount(rings.side)
-    if (is_corner == WALLS).all() and (on_side == on_side[0]).all():
-        points, quads = lumen_quads(rings.nodes[-1].reshape(len(rings.counts), -1, 2))
-        return list(points), [quads] * len(points)
-    if (on_side % 2).any():
-        cell = int(rings.cell[np.isin(rings.side, np.flatnonzero(on_side % 2))][0])
+    odd = rings.cell[np.isin(rings.side, np.flatnonzero(on_side % 2))]
+    odd = odd[~are_hexagons[odd]]
+    if len(odd):
         raise GeometryError(
-            f"cell {cell} has a side with an odd number of elements, and its lumen cannot be meshed; allowed: another "
-            "mesh.size, or hollow cells, open at their ends"
+            f"cell {odd[0]} has a side with an odd number of elements, and its lumen cannot be meshed; allowed: "
+            "another mesh.size, or hollow cells, open at their ends"
         )
-    found = [any_lumen_quads(outline) for outline in np.split(rings.nodes[-1], np.cumsum(rings.counts)[:-1])]
-    return [places for places, _ in found], [quads for _, quads in found]
+    for cell, outline in enumerate(outlines):
+        if not are_hexagons[cell]:
+            points[cell], quads[cell] = any_lumen_quads(outline)
+        if smallest_sines(np.concatenate([outline, points[cell]])[quads[cell]]).min() <= 0:
+            raise GeometryError(
+                f"the mesh in the lumen of cell {cell} is folded; allowed: another mesh.size or mesh.grading, a "
+                "smaller corner radius, or hollow cells, open at their ends"
+            )
+    return points, quads
+
+
+def _are_three_quadrangles(rings: Rings) -> NDArray[np.bool_]:
+    """Return which lumens are hexagons of three quadrangles with as many nodes on all sides, shape (cells,)."""
+    is_corner = np.diff(rings.side, prepend=-1) > 0
+    on_side = np.bincount(rings.side)[rings.side[is_corner]]
+    of_cell = rings.cell[is_corner]
+    corners = np.bincount(of_cell, minlength=len(rings.counts))
+    first = on_side[np.cumsum(corners) - corners]
+    found = (corners == WALLS) & (first == on_side[0])
+    found &= np.bincount(of_cell, on_side != first[of_cell], len(corners)) == 0
+    places = rings.nodes[-1][is_corner]
+    found[found] = are_three_quadrangles(places[found[of_cell]].reshape(-1, WALLS, 2))
+    return np.asarray(found)
 
 
 def _ring_quads(number: Index, rings: Rings, cells: int) -> tuple[list[tuple[str, Index]], Rounded | None]:

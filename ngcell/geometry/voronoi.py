@@ -10,6 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ngcell.errors import GeometryError
+
 Array = NDArray[np.float64]
 
 #: Distance as a share of the rectangle below which a corner is on its side.
@@ -18,7 +20,7 @@ _ON_SIDE = 1e-9
 
 def voronoi_cells(points: Array, width: float, height: float) -> list[Array]:
     """Return the corners of the cell of each point in [0, width] x [0, height], shape (corners, 2) each."""
-    from scipy.spatial import Voronoi
+    from scipy.spatial import QhullError, Voronoi
 
     extent = np.array([width, height])
     images = [points]
@@ -27,7 +29,13 @@ def voronoi_cells(points: Array, width: float, height: float) -> list[Array]:
             image = points.copy()
             image[:, axis] = 2 * side - image[:, axis]
             images.append(image)
-    found = Voronoi(np.concatenate(images))
+    try:
+        found = Voronoi(np.concatenate(images))
+    except QhullError as error:
+        raise GeometryError(
+            f"extent = [{width:g}, {height:g}]: points in it have no Voronoi cells in double precision; allowed: a "
+            "width and a height of ordinary size, and not far from each other"
+        ) from error
     places = found.vertices
     for side in (np.zeros(2), extent):
         places = np.where(np.abs(places - side) < _ON_SIDE * extent.max(), side, places)

@@ -104,6 +104,13 @@ class BodyEnergy(SymbolicTerm):
         """How many times the rule has been made finer."""
         return (self._rank,)
 
+    @property
+    def finer_degrees(self) -> int:
+        """Degrees that the rule by which the present one is judged integrates exactly besides the usual ones; the first
+        of the finer ones with corners among their points is as exact as the usual one, and judged as that is."""
+        below = 1 if self._rank and can_be_mixed(self.space) else 0
+        return (1 + self._rank - below) * more_degrees(self.space)
+
     def take_finer_rule(self, at: Configuration) -> bool:
         """Take a finer rule where elements fold between the points of the present one, or are about to: where they are
         squeezed flat, and it misses too much energy; tell whether that is so.

@@ -157,7 +157,7 @@ class SymbolicTerm(Term):
     @property
     def finer_degrees(self) -> int:
         """Degrees that the rule by which the present one is judged integrates exactly besides the usual ones."""
-        return max(1, *self.rule) * more_degrees(self.space)
+        return (1 + max(self.rule)) * more_degrees(self.space)
 
     @property
     def finer_form(self) -> EnergyForm | None:

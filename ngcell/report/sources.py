@@ -9,8 +9,10 @@ from pathlib import Path
 from typing import Any, Literal
 
 from ngcell.errors import OutputError
+from ngcell.export.ensemble import member_folder
 from ngcell.export.summary import MEMBERS, SUMMARY, read_summary
 from ngcell.report.run_folder import RunFolder, read_run
+from ngcell.results.spread import REFUSED
 
 #: Rows of a table, by the names of its columns.
 Rows = Sequence[Mapping[str, str]]
@@ -79,7 +81,12 @@ def _members(path: Path, summary: Mapping[str, Any]) -> Source:
     source = Source("members", path, str(summary.get("title") or path.resolve().name), bool(summary.get("certified")))
     source.summary = summary
     source.rows = _table(path / "spread.csv", source.unread)
-    for folder in sorted(path.glob("member_*")):
+    folders = sorted(path.glob("member_*"))
+    if (path / "members.csv").is_file():  # another folder may hold what an earlier run has left
+        rows = _table(path / "members.csv", source.unread)
+        ran = {int(row["member"]) for row in rows if not row["outcome"].startswith(REFUSED)}
+        folders = [member_folder(path, number) for number in sorted(ran)]
+    for folder in folders:
         _add_run(source, folder)
     return source
 

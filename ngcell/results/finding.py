@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from math import isclose, isfinite
 from typing import Any
@@ -60,7 +60,7 @@ class Finding:
 
 
 def compare(
-    expected: Iterable[Expected | BodyExpected], record: StepRecord, view: View, last_level: float
+    expected: Iterable[Expected | BodyExpected], record: StepRecord, view: View, levels: Sequence[float]
 ) -> Iterator[Finding]:
     """Yield what is expected at the load factor of a step, beside what was measured there.
 
@@ -72,11 +72,15 @@ def compare(
         The row of the history.
     view : View
         The accepted step.
-    last_level : float
-        Load factor of numbers that name none.
+    levels : sequence of float
+        Load factors of the level of the step and of those to come. A number holds where the load path comes to its load
+        factor for the last time; one that names none holds at the last level.
     """
     for entry in expected:
-        if not isclose(last_level if entry.level is None else entry.level, record.load_factor):
+        last = len(levels) - 1
+        if entry.level is not None:
+            last = max((number for number, level in enumerate(levels) if isclose(entry.level, level)), default=-1)
+        if last:
             continue
         error = 0.0
         if isinstance(entry, Expected):

@@ -29,6 +29,8 @@ _FIELDS = (
     "smallest_gap", "free_mean_gap", "free_largest_gap", "opened_share", "parted_pairs", "components",
     "largest_component", "separation_energy", "bonded_share", "dissipation",
 )  # fmt: skip
+#: How the outcome of a member begins whose geometry cannot be built.
+REFUSED = "refused"
 _BRANCHES, _GEOMETRY = "neighbouring geometries end on other branches", "it follows the geometry"
 
 
@@ -53,6 +55,11 @@ class Member:
     outcome: str
     certified: bool
     levels: tuple[StepRecord | None, ...]
+
+    @property
+    def is_refused(self) -> bool:
+        """Whether its geometry could not be built, so that nothing was run."""
+        return self.outcome.startswith(REFUSED)
 
 
 @dataclass(frozen=True, slots=True)

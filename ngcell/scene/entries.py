@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable
-from math import isfinite
+from sys import float_info
 from types import UnionType
 from typing import Any, get_args
 
@@ -63,4 +63,4 @@ def check_numbers(value: object, place: str, allowed: str) -> None:
 
 def is_number(value: object) -> bool:
     """Return whether a value is a finite number, and no boolean."""
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and isfinite(value)
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= float_info.max

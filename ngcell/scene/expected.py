@@ -52,7 +52,8 @@ class Expected(Section):
     Parameters
     ----------
     level : float
-        Load factor at which it holds, one of the levels of the load, in [0, 1].
+        Load factor at which it holds, one of the levels of the load, in [0, 1]; where the load path comes to it more
+        than once, the last time.
     quantity : str
         Column of `history.csv`.
     value : float
@@ -89,7 +90,8 @@ class BodyExpected(Section):
     between : tuple of str, shape (2,), optional
         The two boundaries, for a quantity between two. What is measured along a wall is measured along the first.
     level : float, optional
-        Load factor at which it holds, one of the levels, in [0, 1]; by default the last.
+        Load factor at which it holds, one of the levels, in [0, 1], the last time that the load path comes to it; by
+        default that of the last level.
     value : float
         The expected number, in the units of the case.
     tolerance : float

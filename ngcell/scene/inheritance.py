@@ -18,7 +18,8 @@ from typing import Any
 
 from ngcell.errors import CaseError
 from ngcell.scene.catalogue import case_in, shipped_cases
-from ngcell.scene.lines import KeyPath, Place, key_lines
+from ngcell.scene.lines import KeyPath, Place, endless_numbers, key_lines
+from ngcell.scene.registry import default_kind
 
 _POSITION = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
 
@@ -119,7 +120,7 @@ def _extended(inherited: CaseTable, own: CaseTable) -> CaseTable:
 
 def _merged(inherited: Any, own: Any, at: KeyPath, replaced: set[KeyPath]) -> Any:
     """Return an entry of both; paths at which the file's own takes the other's place are added to `replaced`."""
-    if isinstance(inherited, dict) and isinstance(own, dict) and _same_kind(inherited, own):
+    if isinstance(inherited, dict) and isinstance(own, dict) and _same_kind(inherited, own, at):
         both = {key: _merged(inherited[key], own[key], (*at, key), replaced) for key in own.keys() & inherited.keys()}
         return {**inherited, **own, **both}
     if _are_named(inherited) and _are_named(own):
@@ -135,8 +136,9 @@ def _merged(inherited: Any, own: Any, at: KeyPath, replaced: set[KeyPath]) -> An
     return own
 
 
-def _same_kind(inherited: dict[str, Any], own: dict[str, Any]) -> bool:
-    return "kind" not in own or own["kind"] == inherited.get("kind", own["kind"])
+def _same_kind(inherited: dict[str, Any], own: dict[str, Any], at: KeyPath) -> bool:
+    default = default_kind(str(at[-1])) if at else None
+    return "kind" not in own or own["kind"] == inherited.get("kind", default or own["kind"])
 
 
 def _are_named(value: Any) -> bool:
@@ -195,7 +197,7 @@ def _located(table: dict[str, Any], folder: Path) -> dict[str, Any]:
 
 def _parsed(text: str, shown: str) -> dict[str, Any]:
     try:
-        return tomllib.loads(text)
+        table = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         reason, position = str(error), _POSITION.search(str(error))
         line = position[1] if position and position[1] else len(text.splitlines())
@@ -205,3 +207,9 @@ def _parsed(text: str, shown: str) -> dict[str, Any]:
         raise CaseError(f"{shown}:{line}: not TOML{column}: {told}: {said}; allowed: key = value") from None
     except ValueError:
         raise CaseError(f"{shown}: a whole number has more digits than can be read; allowed: fewer") from None
+    for place in endless_numbers(table):
+        lines = key_lines(text)
+        line = next((f":{lines[place[:end]]}" for end in range(len(place), 0, -1) if place[:end] in lines), "")
+        key = ".".join(map(str, place))
+        raise CaseError(f"{shown}{line}: {key} has more than 308 digits; allowed: fewer")
+    return table

@@ -15,7 +15,7 @@ AnyCase = Case | BodyCase
 
 def kind_of_case(table: Any) -> type[Case] | type[BodyCase]:
     """Return which kind of case a table means to be: one of bodies if it names any, even with a slip of the pen."""
-    keys = list(table) if isinstance(table, dict) else []
+    keys = list(map(str, table)) if isinstance(table, dict) else []
     of_bodies = BodyCase.model_fields.keys() - Case.model_fields.keys()
     misspelt = any(get_close_matches(key, ["bodies"]) for key in keys)
     return BodyCase if "bodies" in keys or ("tissue" not in keys and (misspelt or of_bodies & set(keys))) else Case

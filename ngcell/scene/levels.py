@@ -17,10 +17,9 @@ def _levels(value: Any) -> int | tuple[float, ...]:
     if type(value) is int and 1 <= value <= MOST_LEVELS:
         return value
     if isinstance(value, (list, tuple)) and all(type(factor) in (int, float) for factor in value):
-        factors = tuple(float(factor) for factor in value)
         # Written so that a NaN, for which every comparison is false, is refused as well.
-        if factors and all(0 <= to <= 1 for to in factors) and all(before != to for before, to in pairwise(factors)):
-            return factors
+        if value and all(0 <= to <= 1 for to in value) and all(before != to for before, to in pairwise(value)):
+            return tuple(float(factor) for factor in value)
     raise PydanticCustomError(
         "limit",
         "allowed: a whole number from 1 to {most} of equal levels, "

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from collections import Counter
 from dataclasses import dataclass
+from sys import float_info
+from typing import Any
 
 #: The keys, and numbers in lists, that lead to an entry of a case.
 KeyPath = tuple[str | int, ...]
@@ -72,6 +74,14 @@ class Place:
 def place_of(path: KeyPath, places: dict[KeyPath, Place]) -> Place | None:
     """Return where a key stands, else the nearest table that holds it, else None."""
     return next((places[path[:n]] for n in range(len(path), 0, -1) if path[:n] in places), None)
+
+
+def endless_numbers(table: Any, at: KeyPath = ()) -> list[KeyPath]:
+    """Return the places of whole numbers in a table that are too large for a floating point number."""
+    if isinstance(table, (dict, list)):
+        inner = table.items() if isinstance(table, dict) else enumerate(table)
+        return [place for key, value in inner for place in endless_numbers(value, (*at, key))]
+    return [at] if isinstance(table, int) and abs(table) > float_info.max else []
 
 
 def _open_after(line: str, quote: str) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 
 from ngcell.errors import CaseError
 from ngcell.scene.dotted import key_path
-from ngcell.scene.lines import KeyPath
+from ngcell.scene.lines import KeyPath, endless_numbers
 
 #: Keys that change nothing of what a title says.
 _SAYS_NOTHING = {"title", "source", "expected", "accuracy", "estimate_error", "mesh"}
@@ -110,7 +110,7 @@ def _toml_value(text: str) -> Any:
         parsed = tomllib.loads(f"value = {text}")
     except ValueError:  # no TOML, or a number of thousands of digits
         return text
-    return parsed["value"] if len(parsed) == 1 else text
+    return parsed["value"] if len(parsed) == 1 and not endless_numbers(parsed) else text
 
 
 def _replaced(node: Any, path: KeyPath, setting: Setting) -> Any:

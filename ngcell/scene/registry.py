@@ -220,6 +220,11 @@ def registered() -> tuple[type[BaseModel], ...]:
     return tuple(section for known in _SHIPPED.values() for section in known.own.values())
 
 
+def default_kind(name: str) -> str | None:
+    """Return the kind of a table of that name which names none, if there is one."""
+    return _SHIPPED[name].default if name in _SHIPPED else None
+
+
 def default_of(name: str) -> Any:
     """Return the part that a case has where it says nothing: the default kind of a group, with its own defaults."""
     known = group(name)

@@ -67,6 +67,11 @@ class Released:
         for minimiser in (self.apart, *self.minimisers):
             minimiser.problem.apply(load)
 
+    def forget_matrices(self) -> None:
+        """Let what follows depend on where it starts alone, and on no matrix of an earlier place."""
+        for minimiser in (self.apart, *self.minimisers):
+            minimiser.forget_matrix()
+
     @property
     def longest_step(self) -> float:
         """The length beside which missed conditions are judged [length]."""

@@ -1,5 +1,6 @@
 import subprocess
 import sys
+from dataclasses import replace
 
 import ngsolve
 import numpy as np
@@ -164,6 +165,18 @@ def test_the_plan_of_onsets_follows_the_data(tmp_path, make_snapshot, make_recor
     assert grey[..., :3].std() > 0.05
     assert np.mean(np.abs(grey - coloured).max(2) > 0.1) > 1e-3
     assert red_share(tmp_path / "c.png") > red_share(tmp_path / "a.png") + 0.01
+
+
+def test_the_plan_of_onsets_knows_no_unit_of_length(tmp_path, make_snapshot, make_record):
+    history = [make_record(step, 0.01 * step, components=step) for step in range(1, 5)]
+    cells, drawn = make_snapshot(1).bulk, []
+    for unit in (1.0, 1e-6):
+        small = replace(cells, points=unit * cells.points)
+        file = draw_debonding(history, [(0, 1, 0.2)], small, tmp_path / "a.png", certified=True)
+        drawn.append(imread(file))
+    plan = slice(60, None), slice(690, None)  # below the title, whose place depends on the last digits
+    assert np.mean(np.abs(drawn[0] - drawn[1])[plan].max(2) > 0.1) < 1e-3
+    assert drawn[1][plan][..., :3].std() > 0.05
 
 
 def test_prisms_are_seen_from_above():

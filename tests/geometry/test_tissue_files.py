@@ -13,7 +13,8 @@ import shapely
 from PIL import Image
 
 from ngcell import CaseError, LabelImage, Polygons, Tissue, read_case, simulate
-from ngcell.geometry.label_images import traced_cells
+from ngcell.errors import GeometryError
+from ngcell.geometry.label_images import check_walls_touch, traced_cells
 from ngcell.scene import Case
 from tests.prisms import MATERIAL
 
@@ -150,6 +151,28 @@ def changed(rows: slice, cols: slice, label: int) -> np.ndarray:
     return image
 
 
+def with_lines(background: int) -> np.ndarray:
+    """Return four irregular cells between lines of background of one pixel, as a watershed leaves them, or none."""
+    places = np.array([(20, 20), (70, 25), (25, 75), (75, 80)])
+    pixels = np.stack(np.meshgrid(np.arange(100), np.arange(100)), axis=-1)
+    labels = np.linalg.norm(pixels[:, :, None] - places, axis=-1).argmin(-1) + 1
+    lines = labels.copy()
+    lines[:-1][labels[:-1] != labels[1:]] = 0
+    lines[:, :-1][labels[:, :-1] != labels[:, 1:]] = 0
+    return lines if background else labels
+
+
+def test_cells_that_touch_are_told_from_cells_between_lines_of_background():
+    check_walls_touch(with_lines(0), 4.0)
+    blocks = np.repeat(np.repeat([[1, 2], [3, 4]], 12, axis=0), 12, axis=1)
+    blocks[11:13, 11:13] = 0  # a pore where four cells meet
+    check_walls_touch(blocks, 4.0)
+    wide = np.insert(blocks, [12] * 6, 0, axis=0)
+    check_walls_touch(wide, 4.0)
+    with pytest.raises(GeometryError, match="labels . and . .*; allowed: labels that touch, or pores wider than 8 pix"):
+        check_walls_touch(wide, 8.0)
+
+
 #: What a file holds, the entries beside it, and what the one line about it says.
 BAD_FILES = {
     "overlap": ("a.csv", table([SQUARE, [(2, 0), (4, 0), (4, 2), (2, 2)]]), "", "cell 0 and cell 1 overlap by 50 %"),
@@ -203,6 +226,7 @@ BAD_IMAGES = {
     "hole": (changed(slice(25, 35), slice(5, 15), 0), "", "label 3 has a hole; allowed"),
     "speck": (changed(slice(0, 1), slice(0, 2), 9), "", "label 9 has 2 pixels; allowed: 4 or more"),
     "thin cell": (changed(slice(19, 20), slice(5, 15), 9), "tolerance = 3", "has no area left.*: a smaller toleran"),
+    "lines between cells": (with_lines(1), "", "labels . and . are separated by a line of background; allowed: labels"),
     "colours": (np.zeros((20, 20, 3)), "", "has 3 channels; allowed: one, a label image"),
     "endless label": (np.where(IMAGE == 4, np.inf, IMAGE).astype(np.float32), "", "pixels that are no whole number"),
     "huge label": (np.where(IMAGE == 4, 1e30, IMAGE).astype(np.float32), "", "pixels that are no whole number"),

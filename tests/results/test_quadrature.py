@@ -5,10 +5,12 @@ from __future__ import annotations
 import ngsolve
 import numpy as np
 import pytest
+from netgen import occ
 
 from ngcell.build.simulation import Simulation
 from ngcell.geometry.lattice import hexagonal_lattice
 from ngcell.geometry.sections import ring_mesh
+from ngcell.geometry.shapes import mesh_shapes
 from ngcell.mechanics.bulk import BodyEnergy
 from ngcell.mechanics.inclusion import InclusionEnergy
 from ngcell.mechanics.laws.mooney_rivlin import MooneyRivlin
@@ -40,6 +42,19 @@ def test_the_error_is_that_against_a_much_finer_rule(order, kappa):
     at = space.configuration(bent(space, 0.03))
     exact = term.finer(40).form.energy(at.displacement)
     assert quadrature_error([term], at) == pytest.approx(abs(exact - term.value(at)), rel=0.02, abs=1e-9 * exact)
+
+
+@pytest.mark.parametrize("rank", [0, 1, 2])
+def test_on_triangles_a_finer_rule_is_judged_by_one_that_is_finer_still(rank):
+    disc = mesh_shapes([occ.Circle((0, 0), 1.0).Face()], ["disc"], size=0.8, order=2)
+    space = DisplacementSpace(disc, 2)
+    term = BodyEnergy(space, [MooneyRivlin(c1=1.0, c2=1.0, bulk_modulus=1e3)])
+    term.recall({"rule_of_bodies": np.array([rank])})
+    at = space.configuration(bent(space, 0.2))
+    exact = term.finer(60).form.energy(at.displacement)
+    missed = abs(exact - term.value(at))
+    assert missed > 1e-7 * exact
+    assert quadrature_error([term], at) == pytest.approx(missed, rel=0.2)
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])

@@ -292,12 +292,35 @@ def test_bodies_are_refined_as_far_as_their_error_asks_for():
     assert [finding.quantity for finding in step.findings if not finding.passed] == []
 
 
+def test_bodies_of_the_highest_order_have_an_error_by_one_order_more():
+    *_, step = ngcell.simulate(ngcell.read_case("press-fit", ["mesh.order=6"]))
+    assert failures(step) == () and 0 < step.record.energy_error < 1e-6
+    assert step.record.smallest_gap < 0
+
+
+def test_the_smallest_gap_of_bodies_apart_is_above_zero():
+    *_, step = ngcell.simulate(ngcell.read_case("parting-rings", ["accuracy=inf", "levels=1"]))
+    assert 0.6 < step.record.smallest_gap < step.record.mean_gap
+
+
+def test_an_expected_number_holds_where_the_path_comes_to_its_load_factor_for_the_last_time():
+    numbers = [
+        {"quantity": "contact_pressure", "between": ["lower_top", "upper_bottom"], "value": 0.0} | level
+        for level in ({}, {"level": 0.5}, {"level": 1.0})
+    ]
+    told = [{**number, "tolerance": 1.0, "origin": "nowhere"} for number in numbers]
+    case = ngcell.read_case("stacked-blocks", ["accuracy=inf"])
+    case = type(case).model_validate(case.model_dump() | {"levels": [0.5, 1.0, 0.5], "expected": told})
+    found = [[finding.load_factor for finding in step.findings] for step in ngcell.simulate(case)]
+    assert found == [[], [1.0], [0.5, 0.5]]
+
+
 @pytest.mark.parametrize(("error", "passes"), [(0.0, False), (0.004, False), (0.006, True), (nan, False)])
 def test_an_expected_number_is_missed_only_beyond_what_the_measured_one_may_err_by(error: float, passes: bool):
     *_, step = steps("accuracy=inf")
     record = replace(step.record, energy=1.006, energy_error=error)
     expected = Expected(level=1.0, quantity="energy", value=1.0, tolerance=1e-3, origin="nowhere")
-    (found,) = compare([expected], record, cast(View, None), 1.0)
+    (found,) = compare([expected], record, cast(View, None), [1.0])
     assert found.passed is passes
 
 

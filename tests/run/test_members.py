@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -18,6 +19,7 @@ import ngcell
 from ngcell import ensemble
 from ngcell.cli import ngcell as command
 from ngcell.errors import NotConverged
+from ngcell.report.sources import read_source
 
 CASE = "shear-empty-3x3"
 SMALL = ["tissue.rows=1", "tissue.cols=2", "mesh.order=1", "load.displacement=[0.3, 0.0]", "accuracy=inf"]
@@ -138,6 +140,25 @@ def test_a_member_without_geometry_is_a_row_and_does_not_count(tmp_path: Path) -
     assert f"  seed {refused[0]['seed']}: refused: " in answer.stdout
     for row in rows(tmp_path / "out" / "spread.csv"):
         assert int(row["members"]) == 3 - len(refused)
+
+
+def test_a_member_without_geometry_keeps_no_earlier_result(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    ngcell.members(ngcell.read_case(CASE, [*SMALL, "load.levels=1"]), out, count=4, pictures=False)
+    thick = ["tissue.wall=0.74", "mesh.order=2", "load.displacement=[0.01, 0.0]", "load.levels=1"]
+    case = ngcell.read_case(CASE, [*SMALL, *thick])
+    ngcell.members(case, out, count=3, spread=0.1, force=True, pictures=False)
+    ran = {row["member"] for row in rows(out / "members.csv") if not row["outcome"].startswith("refused")}
+    assert 0 < len(ran) < 3
+    assert {path.name for path in out.glob("member_*")} == {f"member_00{number}" for number in ran}
+    assert [run.path.name for run in read_source(out).runs] == [f"member_00{number}" for number in sorted(ran)]
+
+
+def test_a_report_leaves_out_what_an_earlier_run_has_left(whole: Path, tmp_path: Path) -> None:
+    out = Path(shutil.copytree(whole, tmp_path / "out"))
+    first = (out / "members.csv").read_text().splitlines()[:3]
+    (out / "members.csv").write_text("\n".join(first) + "\n")
+    assert [run.path.name for run in read_source(out).runs] == ["member_000"]
 
 
 def test_a_member_that_fails_is_a_row_with_its_outcome(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

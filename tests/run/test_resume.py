@@ -33,6 +33,8 @@ PRISMS = ["tissue.rows=1", "tissue.cols=2", "tissue.height=0.4", "mesh.order=2",
 BONDED = [*TISSUE, "mesh.order=1", "cohesion.strength=0.01", "cohesion.energy=0.0001", 'strategy.kind="load-stepping"']
 REFINED = ["tissue.rows=1", "tissue.cols=2", "accuracy=0.05", "load.displacement=[0.3, 0.0]", "load.levels=[0.4, 1.0]"]
 SQUEEZED = ["tissue.rows=1", "tissue.cols=1", "accuracy=inf", 'load={kind="frame", shear=3.0, levels=[1.0]}']
+SHORT = ["mesh.order=1", "load.displacement=[0.08, 0.0]"]
+INDENTER = 'load={kind="indenter", shape="flat", width=1.0, depth=0.2, levels=2}'
 #: Cases, their settings and their number of accepted steps.
 RUNS = {
     "sddp": ("shear-empty-3x3", [*TISSUE, "strategy.steps=2"], 4),
@@ -42,6 +44,8 @@ RUNS = {
     "refined mortar": ("shear-empty-3x3", [*REFINED, 'strategy.kind="single-step"', 'contact.kind="mortar"'], 2),
     "finer rule": ("shear-empty-3x3", SQUEEZED, 2),
     "incremental": ("parting-rings", ["steps=4", "accuracy=inf"], 4),
+    "load path": ("shear-empty-3x3", [*TISSUE, *SHORT, 'strategy.kind="load-stepping"'], 11),
+    "indenter": ("shear-empty-3x3", [*TISSUE[:3], "accuracy=inf", INDENTER, 'strategy.kind="single-step"'], 2),
 }
 
 

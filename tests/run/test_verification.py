@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from ngcell import BodyCase, Case, NormalLaw, read_case, record
+from ngcell import BodyCase, Case, NormalLaw, Plates, read_case, record
 from ngcell import recording as recording_module
 from ngcell.build.additions import Additions
 from ngcell.build.simulation import Simulation
@@ -49,6 +49,29 @@ def test_a_stiffer_penalty_moves_the_result_a_little_and_halves_the_overlap_at_l
     assert table["penetration_over_wall"]["change"] < -0.4
     shown = "\n".join(summary_lines(recording, tmp_path))
     assert "penalty terms 10 times as stiff" in shown and "penetration over wall" in shown
+
+
+class OwnLoad:
+    """A load of a script, which has no list of levels that a case could change."""
+
+    supported, moved, level_factors = "plates", "upper-plate", (0.5, 1.0)
+    plates = Plates(displacement=(0.1, 0.0))
+
+    def motion(self, space):
+        return self.plates.motion(space)
+
+    def prescribed_displacement(self, space):
+        return self.plates.prescribed_displacement(space)
+
+    def tractions(self):
+        return ()
+
+
+def test_a_load_of_a_script_is_verified_along_all_of_its_levels(tmp_path: Path) -> None:
+    case = sheared_pair("penalty").model_copy(update={"load": OwnLoad()})
+    recording = record(case, tmp_path / "out", verify_penalty=True)
+    steps = list(recording)
+    assert recording.summary["stiffer_penalty"]["energy"]["meant"] == steps[-1].energy
 
 
 def test_without_being_asked_a_run_solves_each_level_once(tmp_path: Path) -> None:

@@ -54,6 +54,9 @@ def test_an_inherited_title_tells_which_file_has_changed_the_scene(family):
 def test_a_table_of_another_kind_takes_the_place_of_the_inherited_one(family):
     heir = family(heir='extends = "good.toml"\n[load]\nkind = "frame"\nshear = 0.1', good=GOOD)
     assert read_case(heir).load.levels == 10
+    # Its default is the kind of a table that names none.
+    drawn = family(drawn='extends = "good.toml"\n[tissue]\nkind = "voronoi"\ncells = 4\nextent = [2, 2]\nwall = 0.1')
+    assert read_case(drawn).tissue.cells == 4
     same = family(same='extends = "good.toml"\n[load]\nkind = "plates"\nlevels = 3')
     assert read_case(same).load.displacement == (0.1, 0.0)
 

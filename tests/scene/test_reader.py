@@ -177,6 +177,8 @@ def test_override_reaches_into_a_list(write_case: WriteCase) -> None:
         ("load.displacement.2=1", "--set load.displacement.2=1: nothing to set 2 in"),
         ("tissue..wall=1", "allowed: key=value with a dotted key"),
         ("tissue.wall", "allowed: key=value with a dotted key"),
+        ("0=3", "--set: 0 = 3 is not possible; allowed: a table"),
+        ("tissue.side=1" + 400 * "0", "tissue.side = "),
     ],
 )
 def test_wrong_override_is_one_line(write_case: WriteCase, override: str, says: str) -> None:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, ValidationInfo, field_validator
 
 from ngcell.geometry.outlines import Outlines
 from ngcell.geometry.partition import outlines_of
 from ngcell.geometry.tissues.outlined import OutlinedCells
+from ngcell.geometry.tissues.stacks import checked_cols
 from ngcell.scene.section import PositiveCount, PositiveNumber
 
 #: Distance as a share of a brick's shorter side below which places are one.
@@ -22,7 +23,7 @@ class Brick(OutlinedCells):
     Parameters
     ----------
     rows, cols : int
-        Number of rows and of cells in each row, >= 1.
+        Number of rows and of cells in each row, >= 1; together at most `MOST_CELLS` cells.
     aspect : float
         Length of a cell along x over its height along y, > 0.
     length : float
@@ -44,6 +45,11 @@ class Brick(OutlinedCells):
     aspect: PositiveNumber
     length: PositiveNumber = 2.0
     stagger: Annotated[float, Field(ge=0, lt=1)] = 0.5
+
+    @field_validator("cols")
+    @classmethod
+    def _few_enough(cls, cols: int, info: ValidationInfo) -> int:
+        return checked_cols(cols, info.data.get("rows", 1))
 
     @property
     def grid(self) -> tuple[int, int]:

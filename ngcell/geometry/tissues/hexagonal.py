@@ -10,12 +10,15 @@ from numpy.typing import NDArray
 from pydantic import ValidationInfo, field_validator
 
 from ngcell.geometry.bodies import FRAME, LOWER_PLATE, UPPER_PLATE, BodyMesh
+from ngcell.geometry.filling import are_three_quadrangles
 from ngcell.geometry.held import confined_walls
 from ngcell.geometry.lattice import WALLS, Lattice, hexagonal_lattice
 from ngcell.geometry.outlines import Outlines
 from ngcell.geometry.tissues.protocol import Lumens, TissueDensity
 from ngcell.geometry.tissues.stacks import (
+    MOST_CELLS,
     Stack,
+    checked_cols,
     checked_end_wall,
     checked_layers,
     default_size,
@@ -29,8 +32,6 @@ from ngcell.scene.section import NonNegativeNumber, PositiveCount, PositiveNumbe
 
 Array = NDArray[np.float64]
 
-#: A patch beyond this is out of reach of a direct solver on one machine; far more often it is a typing error.
-MOST_CELLS = 10_000
 #: Distance as a share of a cell's side that round-off makes.
 _ROUND_OFF = 1e-6
 
@@ -103,6 +104,13 @@ class HexagonalCells(Section):
         """Thickness of the walls [length], of each cell of a layer or of all."""
         return self.wall
 
+    @property
+    def nests_lumens(self) -> bool:
+        """Whether elements in lumens of one grading are parts of those of another: lumens that Netgen has to mesh are
+        meshed anew."""
+        lumens = self.outlines.moved_inwards(self.walls).reshape(-1, WALLS, 2)
+        return bool(are_three_quadrangles(lumens).all())
+
     def density(self, choice: TissueDensity) -> tuple[int, int]:
         """Return the number of elements along a side, between graded ones, and through the wall, before grading."""
         size = choice.size or default_size(self.side, self.wall)
@@ -120,6 +128,8 @@ class HexagonalCells(Section):
     ) -> BodyMesh:
         """Return the mesh, one body a cell; see `ngcell.geometry.tissues.protocol.TissueGeometry`."""
         edges, through = self.density(choice)
+        if (filled or self.end_wall is not None) and not self.nests_lumens:
+            edges += edges % 2  # lumens are meshed between every second node
         choices: dict[str, Any] = {
             "wall": self.walls,
             "radius": self.corner_radius,
@@ -140,11 +150,7 @@ class HexagonalCells(Section):
     @field_validator("cols")
     @classmethod
     def _few_enough(cls, cols: int, info: ValidationInfo) -> int:
-        rows = info.data.get("rows", 1)
-        if rows * cols > MOST_CELLS:
-            allowed = "with rows = {rows} these are {cells} cells; allowed: rows * cols <= {most}"
-            refuse(allowed, rows=rows, cells=rows * cols, most=MOST_CELLS)
-        return cols
+        return checked_cols(cols, info.data.get("rows", 1))
 
     @field_validator("wall")
     @classmethod

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Literal
 
-from ngcell.geometry.label_images import read_labels, traced_cells
+from ngcell.geometry.label_images import check_walls_touch, read_labels, traced_cells
 from ngcell.geometry.outlines import Outlines
 from ngcell.geometry.partition import outlines_of
 from ngcell.geometry.tissues.outlined import OutlinedCells
@@ -13,6 +13,8 @@ from ngcell.scene.section import FilePath, NonNegativeNumber, PositiveNumber
 
 #: Distance in pixels below which corners are one.
 _SAME = 1e-6
+#: Width of the narrowest pore between cells, as a share of the wall.
+_NARROWEST = 0.5
 
 
 class LabelImage(OutlinedCells):
@@ -45,6 +47,8 @@ class LabelImage(OutlinedCells):
 
     def drawn(self) -> Outlines:
         """Return the outlines."""
-        cells, labels = traced_cells(read_labels(Path(self.file)), self.tolerance)
+        image = read_labels(Path(self.file))
+        check_walls_touch(image, _NARROWEST * self.wall / self.pixel)
+        cells, labels = traced_cells(image, self.tolerance)
         names = [f"label {label}" for label in labels]
         return outlines_of([self.pixel * cell for cell in cells], _SAME * self.pixel, names=names)

@@ -18,6 +18,7 @@ from ngcell.geometry.outlines import Outlines
 from ngcell.geometry.short_sides import without_short_sides
 from ngcell.geometry.tissues.protocol import Lumens, TissueDensity
 from ngcell.geometry.tissues.stacks import (
+    MOST_CELLS,
     Stack,
     checked_end_wall,
     checked_layers,
@@ -160,6 +161,8 @@ class OutlinedCells(Section):
             outlines = self.outlines
         except GeometryError as error:
             refuse("{reason}", reason=str(error))
+        if self.layers > 1 and self.cell_count > MOST_CELLS:
+            refuse("make {count} cells; allowed: {most}", "layers", count=self.cell_count, most=MOST_CELLS)
         for key, check in (("wall", check_lumens), ("corner_radius", self._check_corners)):
             try:
                 check(outlines, self.wall)

@@ -17,6 +17,8 @@ from ngcell.geometry.sections import ring_mesh, ring_section
 from ngcell.geometry.tissues.protocol import Lumens, TissueDensity
 from ngcell.scene.scope import refuse
 
+#: A patch beyond this is out of reach of a direct solver on one machine; far more often it is a typing error.
+MOST_CELLS = 10_000
 #: Default edges: at most this many wall thicknesses long, and at least this many to a side.
 SLENDERNESS, FEWEST_EDGES = 5.0, 2
 
@@ -41,6 +43,14 @@ class Stack:
     height: float
     slices: int
     end_wall: float | None = None
+
+
+def checked_cols(cols: int, rows: int) -> int:
+    """Return the number of cells in a row; refuse one that makes too many with so many rows."""
+    if rows * cols > MOST_CELLS:
+        allowed = "with rows = {rows} these are {cells} cells; allowed: rows * cols <= {most}"
+        refuse(allowed, rows=rows, cells=rows * cols, most=MOST_CELLS)
+    return cols
 
 
 def checked_layers(layers: int, height: float | None) -> int:

@@ -9,8 +9,8 @@ from pydantic import Field, Strict
 
 from ngcell.geometry.outlines import Outlines
 from ngcell.geometry.partition import outlines_of
-from ngcell.geometry.tissues.hexagonal import MOST_CELLS
 from ngcell.geometry.tissues.outlined import OutlinedCells
+from ngcell.geometry.tissues.stacks import MOST_CELLS
 from ngcell.geometry.voronoi import relaxed, voronoi_cells
 from ngcell.scene.section import NonNegativeNumber, PositiveNumber
 

@@ -76,6 +76,7 @@ def _followed(task: Task, motion: Motion, displacement: Array, load: float, targ
     """Return the equilibrium that increments lead to: half as long ones where bodies are deep in each other after it,
     as where a corner has come to the wrong side of another."""
     released = task.released
+    released.forget_matrices()  # what follows depends on the step before alone, also after a stop
     step = _incremental_step(released, motion, displacement, load, target, 1)
     if released.problem.has_history or released.problem.overlap(step.minimum.state) <= _PASSED:
         return step
