@@ -87,9 +87,11 @@ def examine(scene: Scene, folder: Path) -> Findings:
 
 
 def _at_levels(case: Case, rows: Sequence[dict[str, str]]) -> Iterator[dict[str, str]]:
-    """Yield the released rows at load factors that are levels, each time that the path comes by."""
+    """Yield the released rows at the levels, which the path reaches in their order."""
+    ahead = _levels(case)
     for row in rows:
-        if row["phase"] == "released" and min(abs(float(row["load_factor"]) - level) for level in _levels(case)) < 1e-8:
+        if ahead and row["phase"] == "released" and abs(float(row["load_factor"]) - ahead[0]) < 1e-8:
+            ahead = ahead[1:]
             yield row
 
 
