@@ -331,6 +331,7 @@ def test_where_bodies_are_left_deep_in_each_other_the_load_is_followed_in_half_a
         predict=lambda displacement, imposed: imposed,
         effort=Effort(),
         apart=SimpleNamespace(effort=Effort()),
+        forget_matrices=lambda: None,
     )
     motion = SimpleNamespace(
         has_lifting=False, lifting=lambda load: np.zeros(1), imposed=lambda displacement, load: np.array([load])
